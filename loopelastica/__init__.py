@@ -1,0 +1,63 @@
+"""Elastic-rod folding of nucleic-acid hairpin loops.
+
+Public names are resolved when first used, so that importing the package costs nothing.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_PUBLIC = {
+    "Clamping": "rod.clamping",
+    "Equilibrium": "rod.equilibrium",
+    "Status": "rod.equilibrium",
+    "Equilibria": "rod.equilibria",
+    "equilibria": "rod.equilibria",
+    "PhysicalParameters": "rod.parameters",
+    "solve": "rod.solve",
+    "solve_batch": "rod.solve",
+    "Batch": "rod.solve",
+    "find_hairpins": "molecule.hairpins",
+    "Hairpin": "molecule.hairpins",
+    "fold": "folding",
+    "LoopFold": "folding",
+    "Candidate": "rank",
+    "LoopelasticaError": "errors",
+    "StructureError": "errors",
+    "MissingDependencyError": "errors",
+}
+
+__all__ = ["__version__", *_PUBLIC]
+
+if TYPE_CHECKING:
+    from loopelastica.errors import LoopelasticaError as LoopelasticaError
+    from loopelastica.errors import MissingDependencyError as MissingDependencyError
+    from loopelastica.errors import StructureError as StructureError
+    from loopelastica.folding import LoopFold as LoopFold
+    from loopelastica.folding import fold as fold
+    from loopelastica.molecule.hairpins import Hairpin as Hairpin
+    from loopelastica.molecule.hairpins import find_hairpins as find_hairpins
+    from loopelastica.rank import Candidate as Candidate
+    from loopelastica.rod.clamping import Clamping as Clamping
+    from loopelastica.rod.equilibria import Equilibria as Equilibria
+    from loopelastica.rod.equilibria import equilibria as equilibria
+    from loopelastica.rod.equilibrium import Equilibrium as Equilibrium
+    from loopelastica.rod.equilibrium import Status as Status
+    from loopelastica.rod.parameters import PhysicalParameters as PhysicalParameters
+    from loopelastica.rod.solve import Batch as Batch
+    from loopelastica.rod.solve import solve as solve
+    from loopelastica.rod.solve import solve_batch as solve_batch
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'loopelastica' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"loopelastica.{_PUBLIC[name]}"), name)
+    # set once: also keeps the function `fold` in front of the module of that name
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,196 @@
+"""The clamping of a rod: position and orientation of its end in its start frame.
+
+Ameline et al., J. Comput. Phys. 373 (2018) 736, doi:10.1016/j.jcp.2018.07.021, eq. 6–7 and 15–19.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+# a matrix read from a file with five decimals is still a rotation; a worse one is a mistake
+_ORTHONORMAL = 1e-4
+
+
+def read_only(values: ArrayLike) -> Array:
+    """A float64 copy that cannot be written to."""
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+def _nearest_rotation(rotation: Array) -> Array:
+    """The rotation nearest to an almost orthonormal matrix; ValueError if it is not near one."""
+    if rotation.shape != (3, 3):
+        raise ValueError(f"`rotation` has shape {rotation.shape}; it must be (3, 3)")
+    if not np.isfinite(rotation).all():
+        raise ValueError("`rotation` has an entry that is not finite")
+    defect = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
+    if defect > _ORTHONORMAL:
+        raise ValueError(
+            f"`rotation` is not a rotation: its columns miss orthonormality by {defect:.2g}"
+        )
+    if np.linalg.det(rotation) < 0:
+        raise ValueError("`rotation` is not a rotation: its determinant is −1, a reflection")
+    u, _, vt = np.linalg.svd(rotation)
+    nearest: Array = u @ vt
+    return nearest
+
+
+def _rotation_zyz(psi: float, theta: float, phi: float) -> Array:
+    def about_z(angle: float) -> Array:
+        c, s = math.cos(angle), math.sin(angle)
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    c, s = math.cos(theta), math.sin(theta)
+    about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    return about_z(psi) @ about_y @ about_z(phi)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clamping:
+    """Relative pose of the two ends of a rod of unit length.
+
+    Parameters
+    ----------
+    position : (3,) array_like
+        r(L) − r(0) divided by L, in the start frame: (η1, η2, η3) of eq. 7.
+    rotation : (3, 3) array_like
+        End frame in the start frame; columns d1, d2, d3, with d3 the tangent.
+    free_spin : bool
+        The end may turn about its tangent: five conditions, and M3 = 0.
+
+    Raises
+    ------
+    ValueError
+        If `position` or `rotation` has a wrong shape, is not finite, or `rotation` is no rotation.
+
+    Examples
+    --------
+    >>> c = Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2])
+    >>> print(c.position, c.parameters.round(6))
+    [-0.4 -0.1  0.5] [-0.4 -0.1  0.5  4.8  1.4  2.2]
+    """
+
+    position: Array
+    rotation: Array
+    free_spin: bool = False
+
+    def __post_init__(self) -> None:
+        position = np.array(self.position, dtype=np.float64)
+        if position.shape != (3,):
+            raise ValueError(f"`position` has shape {position.shape}; it must be (3,)")
+        if not np.isfinite(position).all():
+            raise ValueError("`position` has an entry that is not finite")
+        rotation = _nearest_rotation(np.array(self.rotation, dtype=np.float64))
+        object.__setattr__(self, "position", read_only(position))
+        object.__setattr__(self, "rotation", read_only(rotation))
+        object.__setattr__(self, "free_spin", bool(self.free_spin))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Clamping):
+            return NotImplemented
+        return (
+            self.free_spin == other.free_spin
+            and np.array_equal(self.position, other.position)
+            and np.array_equal(self.rotation, other.rotation)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @classmethod
+    def from_parameters(cls, q: ArrayLike, free_spin: bool = False) -> "Clamping":
+        """From (η1, η2, η3, ψ, θ, φ): eq. 6, ZYZ Euler angles in radians."""
+        values = np.asarray(q, dtype=np.float64)
+        if values.shape != (6,):
+            raise ValueError(f"`q` has shape {values.shape}; it must be six clamping parameters")
+        if not np.isfinite(values).all():
+            raise ValueError("`q` has an entry that is not finite")
+        return cls(values[:3], _rotation_zyz(*values[3:]), free_spin)
+
+    @classmethod
+    def from_frames(
+        cls,
+        start_origin: ArrayLike,
+        start_frame: ArrayLike,
+        end_origin: ArrayLike,
+        end_frame: ArrayLike,
+        length: float,
+        free_spin: bool = False,
+    ) -> "Clamping":
+        """From two frames in space, columns d1 d2 d3, and the rod's length in the same unit."""
+        if not (np.isfinite(length) and length > 0):
+            raise ValueError(f"`length` is {length}; it must be positive and finite")
+        frame = _nearest_rotation(np.array(start_frame, dtype=np.float64))
+        end = _nearest_rotation(np.array(end_frame, dtype=np.float64))
+        step = np.asarray(end_origin, dtype=np.float64) - np.asarray(start_origin, dtype=np.float64)
+        return cls(frame.T @ step / length, frame.T @ end, free_spin)
+
+    @property
+    def parameters(self) -> Array:
+        """(η1, η2, η3, ψ, θ, φ), shape (6,): ψ and φ in [0, 2π), θ in [0, π] (eq. 6–7).
+
+        Where θ is 0 or π only ψ ± φ is defined, and φ is 0.
+        """
+        r = self.rotation
+        theta = math.atan2(math.hypot(r[0, 2], r[1, 2]), r[2, 2])
+        if math.hypot(r[0, 2], r[1, 2]) > 1e-12:
+            psi, phi = math.atan2(r[1, 2], r[0, 2]), math.atan2(r[2, 1], -r[2, 0])
+        else:
+            psi, phi = math.atan2(-r[0, 1], r[1, 1]), 0.0
+        # the second modulo: -1e-17 % 2π is 2π itself
+        angles = [psi % math.tau % math.tau, theta, phi % math.tau % math.tau]
+        return np.concatenate([self.position, angles])
+
+    def turned(self, angle: float) -> "Clamping":
+        """The same rod seen from a start frame turned about its tangent (eq. 15–16).
+
+        The new frame is the old one turned by −`angle` about d3, so that both ends' components
+        turn by +`angle`: ψ grows and φ falls by it.
+        """
+        z = _rotation_zyz(angle, 0.0, 0.0)
+        return Clamping(z @ self.position, z @ self.rotation @ z.T, self.free_spin)
+
+    def reduced(self) -> tuple["Clamping", float]:
+        """The turned clamping with η1 ≥ 0 and η2 = 0, and the angle φ_a of eq. 19.
+
+        ``reduced.turned(angle)`` is this clamping again. Five parameters are left (eq. 17).
+        """
+        angle = math.atan2(self.position[1], self.position[0])
+        turned = self.turned(-angle)
+        exact = np.array([math.hypot(*self.position[:2]), 0.0, self.position[2]])
+        return Clamping(exact, turned.rotation, self.free_spin), angle
+
+    def reversed(self) -> "Clamping":
+        """The clamping of the same rod run through from its end to its start.
+
+        The frames of the reversed rod are (d1, −d2, −d3) of this one.
+        """
+        flip = np.diag([1.0, -1.0, -1.0])
+        return Clamping(
+            -flip @ self.rotation.T @ self.position,
+            flip @ self.rotation.T @ flip,
+            self.free_spin,
+        )
+
+    def mirrored(self) -> "Clamping":
+        """The clamping of the rod's mirror image in the plane of d1 and d3 (eq. 34–35)."""
+        mirror = np.diag([1.0, -1.0, 1.0])
+        return Clamping(mirror @ self.position, mirror @ self.rotation @ mirror, self.free_spin)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return {
+            "position": self.position.tolist(),
+            "rotation": self.rotation.tolist(),
+            "free_spin": self.free_spin,
+        }
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> "Clamping":
+        """The inverse of :meth:`to_dict`."""
+        return cls(values["position"], values["rotation"], values["free_spin"])

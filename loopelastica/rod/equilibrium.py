@@ -1,0 +1,188 @@
+"""One equilibrium of a clamped rod, and what it knows of itself.
+
+An equilibrium carries its loads and the poses of its nodes. Everywhere between two nodes it is
+integrated from the node before, so that errors grow over one interval only.
+"""
+
+import functools
+import math
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from loopelastica.rod.clamping import Array, Clamping, read_only
+
+# steps per radian of turning when a solution is drawn: 1e-12 over unit length
+_DENSITY = 4.0
+
+
+class Status(IntEnum):
+    """How a solve ended; only ``CONVERGED`` (0) is a solution."""
+
+    CONVERGED = 0
+    STALLED = 1
+    TOO_MANY_ITERATIONS = 2
+    TOO_STIFF = 3
+    CHECK_FAILED = 4
+    UNREACHABLE = 5
+    BAD_INPUT = 6
+
+
+MESSAGES = {
+    Status.CONVERGED: "converged; the residual is that of a mesh the solver did not use",
+    Status.STALLED: "no start led to a solution: the last one stopped at a local minimum of the"
+    " end error",
+    Status.TOO_MANY_ITERATIONS: "no start led to a solution within the iterations allowed",
+    Status.TOO_STIFF: "the loads became too large for the rod to be fixed by them",
+    Status.CHECK_FAILED: "the iteration converged but a second mesh does not confirm it",
+    Status.UNREACHABLE: "the ends are further apart than the rod is long, or exactly as far with"
+    " tangents off the line between them",
+    Status.BAD_INPUT: "the position is not finite or the rotation is not a rotation",
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Equilibrium:
+    """An equilibrium of an ideal rod: L = K0 = 1, lengths in units of L.
+
+    Attributes
+    ----------
+    clamping : Clamping
+        What was asked for.
+    torsion_ratio : float
+        K30 = K3/K0 (eq. 5 of doi:10.1016/j.jcp.2018.07.021).
+    loads : (6,) ndarray
+        F and M at s = 0 in the start frame (eq. 21), in K0/L² and K0/L.
+    energy : float
+        ∫ ½(κ² + K30 τ²) ds in K0/L; inf if not converged.
+    residual : float
+        Largest component of the end's position error and rotation vector, on a mesh which the
+        solver did not use; inf if not converged.
+    status : Status
+        Why the solver stopped; 0 is success. ``message`` says it in words.
+    method : str
+        Which step of the solver delivered it.
+    """
+
+    clamping: Clamping
+    torsion_ratio: float
+    loads: Array
+    energy: float
+    residual: float
+    status: Status
+    method: str = "shooting"
+    node_s: Array = field(default_factory=lambda: np.zeros(1), repr=False)
+    node_pose: Array = field(
+        default_factory=lambda: np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]), repr=False
+    )
+
+    def __post_init__(self) -> None:
+        for name in ("loads", "node_s", "node_pose"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @property
+    def converged(self) -> bool:
+        """Whether this is a solution."""
+        return self.status == Status.CONVERGED
+
+    @property
+    def message(self) -> str:
+        """The status in words."""
+        return MESSAGES[self.status]
+
+    @property
+    def twist(self) -> float:
+        """Turns of the frame about the tangent, ∫ τ ds / 2π with τ = M3/K30 constant (eq. 43)."""
+        return float(self.loads[5] / self.torsion_ratio / math.tau)
+
+    def poses(self, n: int | ArrayLike) -> Array:
+        """Position and quaternion (w, x, y, z) of the frame at ``n`` points, shape (n, 7).
+
+        ``n`` is a number of points equally spaced in arc length, both ends included, or an array
+        of arc lengths in [0, 1], in any order. ValueError if it is neither.
+        """
+        s = _arc_lengths(n)
+        from loopelastica.rod._shooting import sample
+
+        order = np.argsort(s, kind="stable")
+        out = np.empty((len(s), 7))
+        out[order] = sample(
+            self.loads, self.torsion_ratio, self.node_s, self.node_pose, s[order], _DENSITY
+        )
+        return out
+
+    def centerline(self, n: int | ArrayLike) -> Array:
+        """Points of the center line in the start frame, shape (n, 3); ``n`` as in `poses`."""
+        return self.poses(n)[:, :3]
+
+    def frames(self, n: int | ArrayLike) -> Array:
+        """Frames in the start frame, shape (n, 3, 3), columns d1 d2 d3; ``n`` as in `poses`."""
+        from scipy.spatial.transform import Rotation
+
+        return np.asarray(Rotation.from_quat(self.poses(n)[:, 3:], scalar_first=True).as_matrix())
+
+    def moment(self, n: int | ArrayLike) -> Array:
+        """M(s) = M0 + F × r(s) in the start frame, shape (n, 3), in K0/L (eq. 3b)."""
+        return self.loads[3:] + np.cross(self.loads[:3], self.centerline(n))
+
+    def curvature(self, n: int | ArrayLike) -> Array:
+        """|κ(s)|, shape (n,), in 1/L: the moment across the tangent (eq. 4)."""
+        moment = self.moment(n)
+        # |M × t| keeps its digits where |M|² − M3² would cancel
+        return np.asarray(np.linalg.norm(np.cross(moment, self.frames(n)[:, :, 2]), axis=1))
+
+    def to_dict(self) -> dict[str, Any]:
+        """All that determines it, JSON-ready (an unsolved one has null energy and residual)."""
+        return {
+            "clamping": self.clamping.to_dict(),
+            "torsion_ratio": self.torsion_ratio,
+            "loads": self.loads.tolist(),
+            "energy": self.energy if math.isfinite(self.energy) else None,
+            "residual": self.residual if math.isfinite(self.residual) else None,
+            "status": int(self.status),
+            "message": self.message,
+            "method": self.method,
+            "node_s": self.node_s.tolist(),
+            "node_pose": self.node_pose.tolist(),
+        }
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> "Equilibrium":
+        """The inverse of :meth:`to_dict`."""
+
+        def number(name: str) -> float:
+            return math.inf if values[name] is None else float(values[name])
+
+        return cls(
+            Clamping.from_dict(values["clamping"]),
+            float(values["torsion_ratio"]),
+            values["loads"],
+            number("energy"),
+            number("residual"),
+            Status(values["status"]),
+            values["method"],
+            values["node_s"],
+            values["node_pose"],
+        )
+
+
+@functools.lru_cache(maxsize=32)
+def _equally_spaced(n: int) -> Array:
+    return read_only(np.linspace(0.0, 1.0, n))
+
+
+def _arc_lengths(n: int | ArrayLike) -> Array:
+    if isinstance(n, int | np.integer):
+        if n < 1:
+            raise ValueError(f"`n` is {n}; at least one point is needed")
+        return _equally_spaced(int(n))
+    s = np.asarray(n, dtype=np.float64)
+    if s.ndim != 1:
+        raise ValueError("`n` must be a number of points or a one-dimensional array of arc lengths")
+    # not (all inside) rather than (any outside): NaN is neither
+    if not ((s >= 0.0) & (s <= 1.0)).all():
+        raise ValueError("`n` has an arc length outside [0, 1]")
+    return s

@@ -1,0 +1,276 @@
+"""From a clamping to an equilibrium: stored neighbours, Newton, check.
+
+The library gives the loads of the rods whose end poses are nearest to the clamping, Newton's
+method drives each to it, and only what a second mesh confirms is called converged. ``solve``
+tries `STARTS` neighbours and keeps the least energy (or stops at the first solution); where none
+leads anywhere it goes on to `MORE_STARTS`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from loopelastica.rod.clamping import Array, Clamping
+from loopelastica.rod.equilibrium import Equilibrium, Status
+
+# largest end error (position, rotation vector) of a converged solution on the check mesh
+TOLERANCE = 1e-9
+STARTS, MORE_STARTS = 16, 64
+
+# |η| above this is the straight rod or out of reach: the load of a bent one exceeds 1e18
+_STRAIGHT = 1e-9
+_CHUNK = 2048
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Batch:
+    """Solutions of n clampings: ``loads`` (n, 6), ``energy``, ``residual``, ``status`` (n,)."""
+
+    loads: Array
+    energy: Array
+    residual: Array
+    status: NDArray[np.int64]
+
+    @classmethod
+    def unsolved(cls, n: int) -> "Batch":
+        """Rows that nothing has been tried on."""
+        return cls(
+            np.zeros((n, 6)),
+            np.full(n, np.inf),
+            np.full(n, np.inf),
+            np.full(n, int(Status.STALLED), dtype=np.int64),
+        )
+
+    @property
+    def converged(self) -> NDArray[np.bool_]:
+        """(n,) which rows are solutions."""
+        return np.asarray(self.status == Status.CONVERGED)
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def _arrays(self) -> tuple[Array, Array, Array, NDArray[np.int64]]:
+        return self.loads, self.energy, self.residual, self.status
+
+
+def check_torsion_ratio(torsion_ratio: float) -> float:
+    """K30 as a float; ValueError unless it is positive and finite."""
+    value = float(torsion_ratio)
+    if not (np.isfinite(value) and value > 0):
+        raise ValueError(f"`torsion_ratio` is {torsion_ratio}; it must be positive and finite")
+    return value
+
+
+def straight(clamping: Clamping, torsion_ratio: float) -> Equilibrium | None:
+    """The rod stretched straight, or None if the clamping leaves it slack.
+
+    Its ends fix no tension: any F along the rod is in equilibrium, and F = 0 is returned, with the
+    twist of least energy. Raises ValueError if no rod fits.
+    """
+    distance = float(np.linalg.norm(clamping.position))
+    if distance < 1.0 - _STRAIGHT:
+        return None
+    if distance > 1.0 + _STRAIGHT:
+        raise ValueError(
+            f"`clamping` has its ends {distance:.9g} rod lengths apart; no rod reaches further"
+            " than its length"
+        )
+    tangent_miss = np.linalg.norm(clamping.rotation[:, 2] - [0, 0, 1])
+    if np.linalg.norm(clamping.position - [0, 0, 1]) > 1e-8 or tangent_miss > 1e-8:
+        raise ValueError(
+            "`clamping` stretches the rod to its full length, but its end tangents do not both"
+            " point along it"
+        )
+    spin = 0.0
+    if not clamping.free_spin:
+        spin = float(np.arctan2(clamping.rotation[1, 0], clamping.rotation[0, 0]))
+    moment = torsion_ratio * spin
+    loads = np.array([0.0, 0.0, 0.0, 0.0, 0.0, moment])
+    return Equilibrium(
+        clamping,
+        torsion_ratio,
+        loads,
+        0.5 * moment * spin,
+        max(float(np.abs(clamping.position - [0, 0, 1]).max()), float(tangent_miss)),
+        Status.CONVERGED,
+        "straight",
+    )
+
+
+def solve(clamping: Clamping, torsion_ratio: float = 1.0, lowest: bool = True) -> Equilibrium:
+    """Find an equilibrium of an ideal rod with both ends clamped.
+
+    Parameters
+    ----------
+    clamping : Clamping
+        The end's pose in the start frame, lengths in units of the rod's.
+    torsion_ratio : float
+        K30 = K3/K0 (eq. 5 of doi:10.1016/j.jcp.2018.07.021).
+    lowest : bool
+        Return the equilibrium of least energy that the standard starts lead to (not proven to be
+        the lowest of all); otherwise the first one found.
+
+    Returns
+    -------
+    Equilibrium
+        Its ``converged`` says whether it is a solution: a numerical failure is a status, not an
+        exception.
+
+    Raises
+    ------
+    ValueError
+        If no rod can fit (`clamping` out of reach) or `torsion_ratio` is not positive.
+
+    Examples
+    --------
+    >>> q = Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2])
+    >>> rod = solve(q)
+    >>> print(rod.converged, round(rod.energy, 6), rod.residual < 1e-9)
+    True 7.057888 True
+    """
+    torsion_ratio = check_torsion_ratio(torsion_ratio)
+    stretched = straight(clamping, torsion_ratio)
+    if stretched is not None:
+        return stretched
+    batch = solve_batch(
+        clamping.position[None],
+        clamping.rotation[None],
+        torsion_ratio,
+        clamping.free_spin,
+        lowest,
+    )
+    return Equilibrium(
+        clamping,
+        torsion_ratio,
+        batch.loads[0],
+        float(batch.energy[0]),
+        float(batch.residual[0]),
+        Status(batch.status[0]),
+    )
+
+
+def solve_batch(
+    positions: ArrayLike,
+    rotations: ArrayLike,
+    torsion_ratio: float = 1.0,
+    free_spin: bool = False,
+    lowest: bool = False,
+) -> Batch:
+    """Solve many clampings; one that fails is a row with a status.
+
+    Parameters
+    ----------
+    positions : (n, 3) array_like
+        End positions in the start frames, in units of the length.
+    rotations : (n, 3, 3) array_like
+        End frames in the start frames, columns d1 d2 d3.
+    torsion_ratio, free_spin, lowest
+        As for :func:`solve` and :class:`Clamping`; here the first solution is the default.
+
+    Returns
+    -------
+    Batch
+        ``loads`` (n, 6), ``energy`` (n,), ``residual`` (n,), ``converged`` (n,), ``status`` (n,).
+        Rows that failed have infinite energy and residual and the last iterate's loads.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not match or `torsion_ratio` is not positive.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> batch = solve_batch([[0, 0, 0.9], [0, 0, 1.1]], [np.eye(3), np.eye(3)])
+    >>> print(batch.converged, batch.status)
+    [ True False] [0 5]
+    """
+    torsion_ratio = check_torsion_ratio(torsion_ratio)
+    positions = np.ascontiguousarray(positions, dtype=np.float64)
+    rotations = np.ascontiguousarray(rotations, dtype=np.float64)
+    n = len(positions)
+    if positions.shape != (n, 3) or rotations.shape != (n, 3, 3):
+        raise ValueError(
+            f"`positions` {positions.shape} and `rotations` {rotations.shape} must be (n, 3) and"
+            " (n, 3, 3)"
+        )
+    batch = Batch.unsolved(n)
+    rows = np.flatnonzero(_solvable(positions, rotations, batch))
+    for i in np.flatnonzero(batch.status == Status.UNREACHABLE):
+        _try_straight(int(i), positions, rotations, torsion_ratio, free_spin, batch)
+    for first in range(0, len(rows), _CHUNK):
+        part = rows[first : first + _CHUNK]
+        for skip, count in _rounds(lowest):
+            part = part[batch.status[part] != Status.CONVERGED]
+            if len(part) == 0:
+                break
+            guesses = _guesses(positions[part], rotations[part], torsion_ratio, free_spin, count)
+            _solve_rows(
+                part, guesses[:, skip:], positions, rotations, torsion_ratio, free_spin, lowest,
+                batch,
+            )  # fmt: skip
+    for array in batch._arrays():
+        array.setflags(write=False)
+    return batch
+
+
+def _rounds(lowest: bool) -> tuple[tuple[int, int], ...]:
+    """Which neighbours are tried, in rounds that end where one leads to a solution."""
+    if lowest:
+        return ((0, STARTS), (STARTS, MORE_STARTS))
+    return ((0, 4), (4, STARTS), (STARTS, MORE_STARTS))
+
+
+def _solvable(positions: Array, rotations: Array, batch: Batch) -> NDArray[np.bool_]:
+    """Which rows can be solved; the others are marked in ``batch``."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        products = rotations.transpose(0, 2, 1) @ rotations
+        # a comparison with NaN is false, so that NaN is caught as well
+        proper = (np.abs(products - np.eye(3)) < 1e-4).all(axis=(1, 2))
+        proper &= (np.cross(rotations[:, :, 0], rotations[:, :, 1]) * rotations[:, :, 2]).sum(1) > 0
+        distance = np.linalg.norm(positions, axis=1)
+        proper &= np.isfinite(distance)
+        slack = distance < 1.0 - _STRAIGHT
+    batch.status[~slack] = Status.UNREACHABLE
+    batch.status[~proper] = Status.BAD_INPUT
+    return np.asarray(proper & slack)
+
+
+def _try_straight(
+    i: int, positions: Array, rotations: Array, torsion_ratio: float, free_spin: bool, batch: Batch
+) -> None:
+    try:
+        rod = straight(Clamping(positions[i], rotations[i], free_spin), torsion_ratio)
+    except ValueError:
+        return
+    if rod is not None:
+        batch.loads[i], batch.energy[i] = rod.loads, rod.energy
+        batch.residual[i], batch.status[i] = rod.residual, rod.status
+
+
+def _guesses(
+    positions: Array, rotations: Array, torsion_ratio: float, free_spin: bool, count: int
+) -> Array:
+    from loopelastica.rod.library import library
+
+    return library(torsion_ratio, free_spin).nearest(positions, rotations, count)
+
+
+def _solve_rows(
+    rows: NDArray[np.intp], guesses: Array, positions: Array, rotations: Array,
+    torsion_ratio: float, free_spin: bool, lowest: bool, batch: Batch,
+) -> None:  # fmt: skip
+    """Newton from the guesses (m, c, 6) of the given rows; results into ``batch``."""
+    from scipy.spatial.transform import Rotation
+
+    from loopelastica.rod._newton import newton_batch
+
+    quaternions = Rotation.from_matrix(rotations[rows]).as_quat(scalar_first=True)
+    results = [array[rows] for array in batch._arrays()]
+    newton_batch(
+        np.ascontiguousarray(guesses), positions[rows], quaternions,
+        torsion_ratio, free_spin, lowest, TOLERANCE, *results,
+    )  # fmt: skip
+    for array, result in zip(batch._arrays(), results, strict=True):
+        array[rows] = result

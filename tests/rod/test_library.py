@@ -1,0 +1,28 @@
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from loopelastica.rod._shooting import ends
+from loopelastica.rod.library import _stored, library
+
+
+def test_stored_rods_reach_their_stored_poses():
+    for free_spin in (False, True):
+        stored = _stored(free_spin)[::500]
+        positions, quaternions = ends(stored[:, :6].copy(), 1.0, 3.0)
+        moderate = np.linalg.norm(stored[:, :3], axis=1) < 60
+        np.testing.assert_allclose(positions[moderate], stored[moderate, 6:9], atol=1e-3)
+        dots = np.abs((quaternions * stored[:, 9:]).sum(1))[moderate]
+        assert dots.min() > 1 - 1e-5
+
+
+def test_a_stored_rod_is_its_own_nearest_neighbour_after_any_turn_of_the_start_frame(rng):
+    for torsion_ratio in (1.0, 0.7):
+        loads = _stored(False)[rng.integers(0, 20_000, 50), :6]
+        positions, quaternions = ends(loads, torsion_ratio, 3.0)
+        turn = Rotation.from_rotvec([0, 0, 0.9])
+        rotations = (
+            turn * Rotation.from_quat(quaternions, scalar_first=True) * turn.inv()
+        ).as_matrix()
+        nearest = library(torsion_ratio, False).nearest(turn.apply(positions), rotations, 1)[:, 0]
+        for part in (slice(0, 3), slice(3, 6)):
+            np.testing.assert_allclose(nearest[:, part], turn.apply(loads[:, part]), atol=1e-4)
