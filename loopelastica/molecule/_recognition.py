@@ -1,0 +1,164 @@
+"""Find the nucleotides of a Universe by their atoms, never by their residue names.
+
+A nucleotide is a residue with C1', C3', C4' and a base ring (N1 C2 N3 C4 C5 C6) in one residue: a
+free adenine has no sugar, an amino acid has neither. A sugar with its whole phosphate backbone but
+without a base (an abasic or disordered site) counts too, because the chain passes through it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides, column_of
+
+_SUGAR = ("C1'", "C3'", "C4'")
+# A substituent at C2' marks the A-form sugars of RNA; 2'-fluoro, -amino and -thio RNA have no O2'.
+_RIBO = ("O2'", "F2'", "N2'", "S2'")
+_NO_CHAIN = "SYSTEM"  # the segment name MDAnalysis invents where the file has none
+
+
+class _Columns(dict[str, int]):
+    """Atom name → column, each distinct name looked up once."""
+
+    def __missing__(self, name: str) -> int:
+        self[name] = column = column_of(name)
+        return column
+
+
+def recognize(universe: Any) -> Nucleotides:
+    """Table of the nucleotides of an MDAnalysis Universe, in the order of its residues.
+
+    Parameters
+    ----------
+    universe : MDAnalysis.Universe
+        Atoms need names; chains, insertion codes, altlocs and occupancies may be absent.
+
+    Returns
+    -------
+    Nucleotides
+        Of length 0 where there is none. Of alternative locations the one of highest mean occupancy
+        in its residue is taken, the first by letter among equals.
+    """
+    atoms = universe.atoms
+    residue_of = np.asarray(atoms.resindices, dtype=np.int64)
+    altloc = _strings(atoms, "altLocs")
+    occupancy = np.asarray(getattr(atoms, "occupancies", np.ones(len(atoms))), dtype=np.float64)
+    preferred = _preferred(residue_of, altloc, occupancy)
+    table = _index_table(atoms.names, residue_of, preferred, len(universe.residues))
+    rows = np.flatnonzero(_is_nucleotide(table))
+    table = table[rows]
+
+    residues = universe.residues[rows]
+    chain = _chains(atoms, residues, table)
+    resid = np.asarray(residues.resids, dtype=np.int64)
+    icode = _strings(residues, "icodes")
+    once = _one_of_each(chain, resid, icode, table, altloc, occupancy)
+    table = table[once]
+    is_dna = np.asarray(~_has(table, _RIBO).any(axis=1), dtype=np.bool_)
+    return Nucleotides(
+        chain=chain[once],
+        resid=resid[once],
+        icode=icode[once],
+        resname=_strings(residues, "resnames")[once],
+        letter=_letters(table, is_dna),
+        is_dna=is_dna,
+        atom_index=table,
+    )
+
+
+def _strings(group: Any, attribute: str) -> NDArray[np.str_]:
+    """Strings of one topology attribute, stripped; all "" where the Universe lacks it."""
+    values = getattr(group, attribute, None)
+    if values is None or len(values) == 0:
+        return np.zeros(len(group), dtype="U1")
+    return np.char.strip(np.asarray(values, dtype=object).astype(str))
+
+
+def _has(table: NDArray[np.int64], names: tuple[str, ...]) -> NDArray[np.bool_]:
+    return table[:, [column_of(name) for name in names]] >= 0
+
+
+def _is_nucleotide(table: NDArray[np.int64]) -> NDArray[np.bool_]:
+    sugar = _has(table, _SUGAR).all(axis=1)
+    base = _has(table, RING).all(axis=1)
+    return np.asarray(sugar & (base | _has(table, BACKBONE).all(axis=1)), dtype=np.bool_)
+
+
+def _preferred(
+    residue_of: NDArray[np.int64], altloc: NDArray[np.str_], occupancy: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Mark the atoms without altloc and those of the one altloc chosen in each residue."""
+    preferred: NDArray[np.bool_] = np.asarray(altloc == "", dtype=np.bool_)
+    alternative = np.flatnonzero(~preferred)
+    for residue in np.unique(residue_of[alternative]):
+        here = alternative[residue_of[alternative] == residue]
+        letters = np.unique(altloc[here])
+        means = [occupancy[here[altloc[here] == letter]].mean() for letter in letters]
+        # Occupancies come in hundredths: rounding keeps a tie a tie.
+        chosen = letters[int(np.argmax(np.round(means, 4)))]
+        preferred[here[altloc[here] == chosen]] = True
+    return preferred
+
+
+def _index_table(
+    names: Any, residue_of: NDArray[np.int64], preferred: NDArray[np.bool_], n_residues: int
+) -> NDArray[np.int64]:
+    """Atom index (n_residues, len(ATOM_NAMES)): preferred atoms first, then first in the file."""
+    columns = _Columns()
+    column = np.fromiter((columns[name] for name in names), dtype=np.int64, count=len(names))
+    table = np.full((n_residues, len(ATOM_NAMES)), -1, dtype=np.int64)
+    for chosen in (~preferred, preferred):
+        index = np.flatnonzero(chosen & (column >= 0))[::-1]
+        table[residue_of[index], column[index]] = index
+    return table
+
+
+def _chains(atoms: Any, residues: Any, table: NDArray[np.int64]) -> NDArray[np.str_]:
+    """Chain identifiers, else segment identifiers, else "" for each nucleotide."""
+    segment = _strings(residues, "segids")
+    segment[segment == _NO_CHAIN] = ""
+    chain = _strings(atoms, "chainIDs")[table[:, column_of("C1'")]]
+    return np.where(chain == "", segment, chain)
+
+
+def _one_of_each(
+    chain: NDArray[np.str_],
+    resid: NDArray[np.int64],
+    icode: NDArray[np.str_],
+    table: NDArray[np.int64],
+    altloc: NDArray[np.str_],
+    occupancy: NDArray[np.float64],
+) -> NDArray[np.int64]:
+    """Rows left when two residues share one place (altlocs of different residue names)."""
+    sugar = table[:, column_of("C1'")]
+    best: dict[tuple[str, int, str] | int, int] = {}
+    for row, atom in enumerate(sugar):
+        # Without an altloc the same number twice is just sloppy numbering: keep both.
+        place = (str(chain[row]), int(resid[row]), str(icode[row])) if altloc[atom] else -1 - row
+        rival = best.get(place)
+        if rival is None or occupancy[atom] > occupancy[sugar[rival]]:
+            best[place] = row
+    return np.array(sorted(best.values()), dtype=np.int64)
+
+
+def _letters(table: NDArray[np.int64], is_dna: NDArray[np.bool_]) -> NDArray[np.str_]:
+    """Parent base: purine by its five-ring, then the exocyclic group at C6 (purine) or C4.
+
+    The methyl of T counts on deoxyribose only: 5-methyluridine of tRNA is a modified U.
+    """
+    purine = _has(table, ("C8", "N9")).all(axis=1)
+    guanine = _has(table, ("O6", "S6")).any(axis=1) | (
+        _has(table, ("N2",))[:, 0] & ~_has(table, ("N6",))[:, 0]
+    )
+    uracil = _has(table, ("O4", "S4")).any(axis=1)
+    methyl = _has(table, ("C7",))[:, 0]
+    letter = np.full(len(table), "C", dtype="U1")
+    letter[uracil] = "U"
+    letter[uracil & methyl & is_dna] = "T"
+    letter[purine] = "A"
+    letter[purine & guanine] = "G"
+    letter[~_has(table, RING).all(axis=1)] = "N"
+    return letter

@@ -1,0 +1,218 @@
+"""The door: a file or a Universe becomes a table of nucleotides and positions, model by model.
+
+>>> from loopelastica._data import data_path
+>>> structure = read_structure(data_path("hairpins/2koc.pdb"))
+>>> structure.n_models, "".join(structure.nucleotides.letter)
+(20, 'GGCACUUCGGUGCC')
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from loopelastica.errors import StructureError
+from loopelastica.molecule._reading import Frames, TrajectoryFrames, first_line, open_file, quiet
+from loopelastica.molecule._recognition import recognize
+from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
+
+__all__ = [
+    "ATOM_NAMES",
+    "BACKBONE",
+    "RING",
+    "Nucleotides",
+    "Structure",
+    "atom_positions",
+    "centroids",
+    "linked",
+    "read_structure",
+]
+
+LINK_MAX_A = 2.5
+"""Longest O3'–P distance of two joined nucleotides; the bond has 1.6 Å, models of repute 2.0."""
+
+STEP_MAX_A = 9.0
+"""Longest C4'–C4' distance of two joined nucleotides where O3' or P is missing."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Structure:
+    """A structure that has been read: its nucleotides, and its models on demand.
+
+    Attributes
+    ----------
+    name : str
+        File name, or "universe".
+    source : str or None
+        Path as given, None for a Universe.
+    nucleotides : Nucleotides
+        Table of the nucleotides, the same for every model.
+    universe : MDAnalysis.Universe
+        All atoms; `nucleotides.atom_index` counts in them.
+    """
+
+    name: str
+    source: str | None
+    nucleotides: Nucleotides
+    universe: Any = field(repr=False)
+    _frames: Frames = field(repr=False)
+
+    @property
+    def n_models(self) -> int:
+        """Number of models, or of frames of a trajectory."""
+        return self._frames.n_models
+
+    def positions(self, model: int = 0) -> NDArray[np.float64]:
+        """Positions (n_atoms, 3) of all atoms of one model, Å, read-only.
+
+        MDAnalysis keeps single precision: positions have about 1e-5 Å, more than any file tells.
+        A model that lacks atoms of the first one has NaN rows there.
+
+        Raises
+        ------
+        ValueError
+            If `model` is not in 0 … n_models − 1.
+        StructureError
+            If the model cannot be read, or a nucleotide lies at the origin or has no numbers.
+        """
+        if not 0 <= model < self.n_models:
+            raise ValueError(f"`model` is {model}, but {self.name} has {self.n_models} model(s)")
+        try:
+            positions = self._frames.model(model)
+        # Readers of MDAnalysis raise whatever a damaged frame provokes.
+        except Exception as error:
+            raise StructureError(
+                f"{self.source or self.name}: model {model + 1} cannot be read "
+                f"({first_line(error)})"
+            ) from error
+        _check_positions(self.source or self.name, model, self.nucleotides, positions, self._frames)
+        positions.setflags(write=False)
+        return positions
+
+    def models(self) -> Iterator[NDArray[np.float64]]:
+        """Positions of each model in turn; one model is in memory at a time."""
+        for model in range(self.n_models):
+            yield self.positions(model)
+
+
+def read_structure(source: Any) -> Structure:
+    """Read a file or take an MDAnalysis Universe.
+
+    Parameters
+    ----------
+    source : path, MDAnalysis.Universe or Structure
+        PDB or mmCIF (also gzipped), or whatever MDAnalysis reads; a Structure is returned as it is.
+
+    Raises
+    ------
+    StructureError
+        If the file cannot be read or has no nucleotide; one sentence with file and cause.
+    MissingDependencyError
+        If mmCIF is to be read without gemmi.
+    ValueError
+        If `source` is none of these.
+
+    Notes
+    -----
+    A Universe is given back at the frame it was at.
+    """
+    if isinstance(source, Structure):
+        return source
+    frames: Frames
+    if isinstance(source, str | os.PathLike):
+        path = Path(source)
+        universe, frames = open_file(path)
+        name, where = path.name, str(path)
+    elif getattr(source, "universe", None) is source:
+        if not hasattr(source, "trajectory"):
+            raise StructureError("universe: it has no coordinates")
+        universe, frames = source, TrajectoryFrames(source)
+        name, where = "universe", None
+    else:
+        raise ValueError(f"`source` is neither a path nor a Universe but {type(source).__name__}")
+    with quiet():
+        if not hasattr(universe.atoms, "names"):
+            raise StructureError(f"{where or name}: the atoms have no names")
+        nucleotides = recognize(universe)
+    if len(nucleotides) == 0:
+        raise StructureError(
+            f"{where or name}: no nucleotide found among {len(universe.residues)} residues"
+        )
+    structure = Structure(name, where, nucleotides, universe, frames)
+    structure.positions(0)
+    return structure
+
+
+def _check_positions(
+    name: str,
+    model: int,
+    nucleotides: Nucleotides,
+    positions: NDArray[np.float64],
+    frames: Frames,
+) -> None:
+    """Refuse coordinates that are no numbers, or placeholders at the origin."""
+    where = f"{name}, model {model + 1}" if frames.n_models > 1 else name
+    present = nucleotides.atom_index >= 0
+    values = positions[nucleotides.atom_index]
+    finite = np.isfinite(values).all(axis=2)
+    if not (finite & present).any() or (frames.complete and (present & ~finite).any()):
+        row = int(np.argmax((present & ~finite).any(axis=1)))
+        raise StructureError(f"{where}: the coordinates of {nucleotides.label(row)} are no numbers")
+    # One atom may lie at the origin by chance, two of one nucleotide cannot.
+    at_origin = ((values == 0.0).all(axis=2) & present).sum(axis=1) > 1
+    if at_origin.any():
+        row = int(np.argmax(at_origin))
+        count = "every nucleotide lies" if at_origin.all() else f"{nucleotides.label(row)} lies"
+        raise StructureError(f"{where}: {count} at the origin, the coordinates are placeholders")
+
+
+def atom_positions(
+    nucleotides: Nucleotides, positions: NDArray[np.float64], names: Sequence[str]
+) -> NDArray[np.float64]:
+    """Positions (n, len(names), 3) of the named atoms of all nucleotides, NaN where missing.
+
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Table of n nucleotides.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
+    names : sequence of str
+        Names among ``ATOM_NAMES``.
+    """
+    index = nucleotides.columns(names)
+    found = np.asarray(positions, dtype=np.float64)[index]
+    found[index < 0] = np.nan
+    return found
+
+
+def linked(nucleotides: Nucleotides, positions: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Tell for each nucleotide but the last whether the chain goes on to the next one.
+
+    Returns
+    -------
+    (n − 1,) array of bool
+        Same chain and O3'–P up to ``LINK_MAX_A``. Where O3' or the next P is not in the file:
+        consecutive numbers, and C4'–C4' up to ``STEP_MAX_A``.
+    """
+    o3, p, c4 = np.moveaxis(atom_positions(nucleotides, positions, ("O3'", "P", "C4'")), 1, 0)
+    bond = np.linalg.norm(p[1:] - o3[:-1], axis=1)
+    step = np.linalg.norm(c4[1:] - c4[:-1], axis=1)
+    difference = np.diff(nucleotides.resid)
+    inserted = (difference == 0) & (nucleotides.icode[1:] != nucleotides.icode[:-1])
+    consecutive = ((difference == 1) | inserted) & (step <= STEP_MAX_A)
+    joined = np.where(np.isnan(bond), consecutive, bond <= LINK_MAX_A)
+    same_chain = nucleotides.chain[1:] == nucleotides.chain[:-1]
+    return np.asarray(joined & same_chain, dtype=np.bool_)
+
+
+def centroids(nucleotides: Nucleotides, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean (n, 3) of P O5' C5' C4' C3' O3' of each nucleotide, Å; NaN where one is missing."""
+    mean: NDArray[np.float64] = atom_positions(nucleotides, positions, BACKBONE).mean(axis=1)
+    return mean

@@ -1,0 +1,158 @@
+"""Ideal single strands of A-RNA and B-DNA: six backbone atoms and the helix line through them.
+
+B-DNA: fibre coordinates of Arnott & Hukins, Biochem. Biophys. Res. Commun. 47 (1972) 1504. Their
+table lists the O3' of the nucleotide before (φ 97.4°, z 3.63 Å); one step further it is the own
+one, 61.4°, 0.25 Å.
+
+A-RNA: taken from a secondary source that names no origin. It is consistent in itself: the bonds
+P–O5', O5'–C5' … and the O3'–P bond from one nucleotide to the next come out right.
+
+Both strands run 5' to 3' with a *negative* turn and rise in the coordinates of these tables; with
+the opposite signs O3' and the next P would be 10 Å apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Strand:
+    """One ideal strand, its helix axis along z.
+
+    Attributes
+    ----------
+    name : str
+        What it is.
+    atoms : (6, 3) array
+        Radius (Å), angle (°) and height (Å) of P O5' C5' C4' C3' O3' of nucleotide 0.
+    turn_deg, rise_A : float
+        One step from a nucleotide to the next, 5' to 3'.
+    length_per_nucleotide_A : float
+        Length of line per nucleotide to be used for a loop. Measured on real stems (RNA 5.9–6.4 Å,
+        DNA 6.3–6.6 Å), for the ideal B line is too short for real loops.
+    fitted_nucleotides : int
+        Number of stem nucleotides of one strand that place this ideal strand best.
+    """
+
+    name: str
+    atoms: NDArray[np.float64]
+    turn_deg: float
+    rise_A: float
+    length_per_nucleotide_A: float
+    fitted_nucleotides: int
+
+    def __post_init__(self) -> None:
+        self.atoms.setflags(write=False)
+
+
+B_DNA: Final = Strand(
+    name="B-DNA",
+    atoms=np.array(
+        [
+            [8.91, 95.2, 2.08],
+            [7.73, 88.0, 1.83],
+            [7.70, 79.8, 2.77],
+            [7.59, 69.9, 2.04],
+            [8.20, 69.9, 0.64],
+            [8.75, 61.4, 0.25],
+        ]
+    ),
+    turn_deg=-36.0,
+    rise_A=-3.38,
+    length_per_nucleotide_A=6.3,
+    fitted_nucleotides=2,
+)
+
+A_RNA: Final = Strand(
+    name="A-RNA",
+    atoms=np.array(
+        [
+            [8.71, 70.5, -3.75],
+            [8.49, 60.1, -3.48],
+            [9.75, 55.8, -3.35],
+            [9.68, 46.9, -3.10],
+            [8.86, 41.4, -4.02],
+            [9.54, 40.1, -5.25],
+        ]
+    ),
+    turn_deg=-32.7,
+    rise_A=-2.81,
+    length_per_nucleotide_A=6.0,
+    fitted_nucleotides=1,
+)
+
+
+def ideal_strand(is_dna: bool) -> Strand:
+    """B-DNA or A-RNA.
+
+    >>> ideal_strand(is_dna=False).length_per_nucleotide_A
+    6.0
+    """
+    return B_DNA if is_dna else A_RNA
+
+
+def strand_atoms(strand: Strand, k: int) -> NDArray[np.float64]:
+    """Cartesian positions (6, 3) of P O5' C5' C4' C3' O3' of nucleotide k, Å.
+
+    Nucleotides count 5' to 3'; k may be negative.
+
+    >>> o3, next_p = strand_atoms(B_DNA, 0)[5], strand_atoms(B_DNA, 1)[0]
+    >>> print(f"{np.linalg.norm(next_p - o3):.2f}")
+    1.59
+    """
+    radius, angle_deg, height = strand.atoms.T
+    angle = np.deg2rad(angle_deg + k * strand.turn_deg)
+    return np.stack(
+        [radius * np.cos(angle), radius * np.sin(angle), height + k * strand.rise_A], axis=1
+    )
+
+
+def line_cylinder(strand: Strand) -> tuple[float, float, float]:
+    """Radius (Å), angle (rad) and height (Å) of the centroid of nucleotide 0.
+
+    >>> print("{:.2f} Å".format(line_cylinder(B_DNA)[0]))
+    7.97 Å
+    """
+    x, y, z = strand_atoms(strand, 0).mean(axis=0)
+    return float(np.hypot(x, y)), float(np.arctan2(y, x)), float(z)
+
+
+def line_length_A(strand: Strand) -> float:
+    """Length of the ideal helix line per nucleotide, Å.
+
+    >>> print(f"{line_length_A(A_RNA):.2f} {line_length_A(B_DNA):.2f}")
+    5.86 6.04
+    """
+    return float(np.hypot(line_cylinder(strand)[0] * np.deg2rad(strand.turn_deg), strand.rise_A))
+
+
+def line_frame(strand: Strand, phase: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Point and Darboux frame of the helix line through the centroids.
+
+    Parameters
+    ----------
+    strand : Strand
+        Which ideal strand.
+    phase : float
+        Place along the strand in nucleotides; whole numbers are centroids.
+
+    Returns
+    -------
+    point_A : (3,) array
+        Å.
+    frame : (3, 3) array
+        Columns d1 (towards the helix axis), d2 = d3 × d1, d3 (tangent, 5' to 3').
+    """
+    radius, angle, height = line_cylinder(strand)
+    turn = np.deg2rad(strand.turn_deg)
+    c, s = np.cos(angle + phase * turn), np.sin(angle + phase * turn)
+    d1 = np.array([-c, -s, 0.0])
+    d3 = np.array([-radius * turn * s, radius * turn * c, strand.rise_A])
+    d3 /= np.linalg.norm(d3)
+    point = np.array([radius * c, radius * s, height + phase * strand.rise_A])
+    return point, np.stack([d1, np.cross(d3, d1), d3], axis=1)

@@ -1,0 +1,131 @@
+"""The rod put back into the molecule, and the native line to compare it with.
+
+Phases count nucleotides from the 5' closing one (phase 0); the rod runs from phase 0.5 to
+n + 0.5, so that loop nucleotide k = 1 … n lies at the arc position (k − ½)/n.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from loopelastica.errors import StructureError
+from loopelastica.molecule.hairpins import Hairpin
+from loopelastica.molecule.nucleotides import Nucleotides, centroids
+
+
+def loop_arc_positions(n: int) -> NDArray[np.float64]:
+    """Arc positions (n,) of the loop nucleotides along the rod, as fractions of its length.
+
+    >>> print(loop_arc_positions(4))
+    [0.125 0.375 0.625 0.875]
+
+    Raises
+    ------
+    ValueError
+        If `n` is less than 1.
+    """
+    if n < 1:
+        raise ValueError(f"`n` is {n}; a loop has at least one nucleotide")
+    return (np.arange(1, n + 1) - 0.5) / n
+
+
+def to_file_coordinates(
+    centerline: NDArray[np.float64],
+    start_origin_A: NDArray[np.float64],
+    start_frame: NDArray[np.float64],
+    length_A: float,
+) -> NDArray[np.float64]:
+    """Line of unit length in its start frame → Å in the coordinates of the file.
+
+    Parameters
+    ----------
+    centerline : (..., 3) array
+        Positions divided by the length of the rod, components along d1 d2 d3 of its start.
+    start_origin_A : (3,) array
+        Start of the rod, Å.
+    start_frame : (3, 3) array
+        Columns d1 d2 d3 of the start.
+    length_A : float
+        Length of the rod.
+
+    Examples
+    --------
+    >>> to_file_coordinates(np.array([0.0, 0.0, 0.5]), np.ones(3), np.eye(3), 24.0).tolist()
+    [1.0, 1.0, 13.0]
+    """
+    centerline = np.asarray(centerline, dtype=np.float64)
+    return np.asarray(start_origin_A + length_A * (centerline @ np.asarray(start_frame).T))
+
+
+def smoothed_line(centroids_A: NDArray[np.float64], n_points: int) -> NDArray[np.float64]:
+    """Smooth line through the native backbone, for drawing and comparing.
+
+    Parameters
+    ----------
+    centroids_A : (n + 2, 3) array
+        Centroids from the 5' closing nucleotide to the 3' closing one, Å.
+    n_points : int
+        Points wanted, evenly spaced in phase.
+
+    Returns
+    -------
+    (n_points, 3) array
+        Natural cubic spline over the phase through the centroids, from phase 0.5 to n + 0.5 like
+        the rod. All smoothing is in the centroids, each a mean of six atoms.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than three centroids, one is not finite, or fewer than two points.
+    """
+    from scipy.interpolate import CubicSpline
+
+    centroids_A = np.asarray(centroids_A, dtype=np.float64)
+    if centroids_A.ndim != 2 or len(centroids_A) < 3 or centroids_A.shape[1] != 3:
+        raise ValueError("`centroids_A` needs the shape (n + 2, 3) with n at least 1")
+    if not np.isfinite(centroids_A).all():
+        raise ValueError("`centroids_A` is not finite everywhere")
+    if n_points < 2:
+        raise ValueError(f"`n_points` is {n_points}; a line has at least two")
+    last = len(centroids_A) - 1
+    spline = CubicSpline(np.arange(last + 1), centroids_A, bc_type="natural")
+    return np.asarray(spline(np.linspace(0.5, last - 0.5, n_points)), dtype=np.float64)
+
+
+def native_line(
+    nucleotides: Nucleotides, hairpin: Hairpin, positions: NDArray[np.float64], n_points: int = 100
+) -> NDArray[np.float64]:
+    """Smoothed native backbone (n_points, 3) of a loop, Å; see :func:`smoothed_line`.
+
+    Raises
+    ------
+    StructureError
+        If a nucleotide from closing to closing lacks one of the six backbone atoms.
+    """
+    rows = np.concatenate([hairpin.stem_5[:1], hairpin.loop, hairpin.stem_3[:1]])
+    points = centroids(nucleotides, positions)[rows]
+    unknown = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(unknown):
+        label = nucleotides.label(int(rows[unknown[0]]))
+        raise StructureError(
+            f"{label}: a backbone atom is missing; the native line of the loop cannot be drawn"
+        )
+    return smoothed_line(points, n_points)
+
+
+def rmsd_A(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    """Root mean square distance of two (n, 3) sets of points where they are, not superposed.
+
+    >>> rmsd_A(np.zeros((2, 3)), np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]))
+    3.5355339059327378
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ or there is no point.
+    """
+    a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    if a.shape != b.shape or a.size == 0:
+        raise ValueError(f"`a` and `b` have shapes {a.shape} and {b.shape}")
+    return float(np.sqrt(((a - b) ** 2).sum(axis=-1).mean()))

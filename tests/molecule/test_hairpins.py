@@ -1,0 +1,158 @@
+"""Pairs and hairpin loops, against an independent annotator and against rigid motion."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from loopelastica.molecule.hairpins import (
+    canonical_pairs,
+    dot_bracket,
+    find_hairpins,
+    hairpins_of,
+)
+
+# What differs from the annotator (RNApolis), hairpin by hairpin: closing pair → reason.
+DIFFERENCES = {
+    "1ehz": {
+        ("A.C13", "A.G22"): "ours only: D loop, whose pairs with the T loop and with C48 the "
+        "annotator takes for a reason to leave it out; listed under `contacts` here",
+        ("A.G53", "A.C61"): "ours only: T loop, paired with G19 of the D loop",
+    },
+    "1hlx": {
+        ("A.A7", "A.U14"): "theirs only: they do not count C8-G13 of the C(UUCG)G",
+        ("A.C8", "A.G13"): "ours only: the closing C-G of the UUCG loop meets all three tests",
+    },
+    "1y26": {
+        ("X.A30", "X.U40"): "ours only: loop L2, kissing L3",
+        ("X.G59", "X.C67"): "ours only: loop L3, kissing L2",
+    },
+    "4gxy": {
+        ("A.A18", "A.U27"): "theirs only: two of the eight loop nucleotides are in the file",
+        ("A.C112", "A.G117"): "theirs only: none of the four loop nucleotides is in the file",
+    },
+}
+
+
+def test_the_shipped_hairpin(koc):
+    (hairpin,) = find_hairpins(koc)
+    assert hairpin.name == "A6-9"
+    assert hairpin.closing_pair == ("A.C5", "A.G10")
+    assert hairpin.residues == ("A.U6", "A.U7", "A.C8", "A.G9")
+    assert (hairpin.sequence, len(hairpin), hairpin.n_pairs) == ("CUUCGG", 4, 5)
+    assert (hairpin.chain, hairpin.is_dna, hairpin.contacts) == ("A", False, ())
+    assert hairpin.stem_5.tolist() == [4, 3, 2, 1, 0]
+    assert hairpin.stem_3.tolist() == [9, 10, 11, 12, 13]
+    assert hairpin.loop.tolist() == [5, 6, 7, 8]
+
+
+def test_every_model_of_the_shipped_hairpin_has_the_same_loop(koc):
+    for positions in koc.models():
+        assert [h.name for h in hairpins_of(koc.nucleotides, positions)] == ["A6-9"]
+
+
+@settings(max_examples=10, deadline=None)
+@given(
+    turn=st.tuples(*[st.floats(-3, 3)] * 3),
+    shift=st.tuples(*[st.floats(-500, 500)] * 3),
+)
+def test_pairs_do_not_change_under_rigid_motion(koc, turn, shift):
+    positions = koc.positions(0).copy()
+    moved = Rotation.from_rotvec(turn).apply(positions) + shift
+    np.testing.assert_array_equal(
+        canonical_pairs(koc.nucleotides, moved), canonical_pairs(koc.nucleotides, positions)
+    )
+
+
+def test_opened_closing_pair_counts_next_to_a_sound_one_only(koc):
+    table, positions = koc.nucleotides, koc.positions(0).copy()
+    ring = table.columns(("N1", "C2", "N3", "C4", "C5", "C6"))[4]
+    apart = positions[ring[2]] - positions[table.columns(("N1",))[9, 0]]
+    # The base alone moves out, to N1–N3 4.2 Å: beyond a sound pair, C1'–C1' as it was.
+    positions[ring] += apart * (4.2 / np.linalg.norm(apart) - 1.0)
+    assert [4, 9] in canonical_pairs(table, positions).tolist()
+    # The same opened pair with its neighbour pulled out of the stem is no pair.
+    neighbour = table.atom_index[3]
+    positions[neighbour[neighbour >= 0]] += 30.0
+    assert [4, 9] not in canonical_pairs(table, positions).tolist()
+
+
+def test_no_hairpin_over_a_gap_in_the_chain(pdb, koc_lines):
+    lines = [line for line in koc_lines if int(line[22:26]) != 7]
+    assert find_hairpins(pdb(lines)) == []
+
+
+def test_no_hairpin_across_two_chains(pdb, koc_lines):
+    lines = [line[:21] + "B" + line[22:] if int(line[22:26]) > 7 else line for line in koc_lines]
+    assert find_hairpins(pdb(lines)) == []
+
+
+def test_a_file_without_chains_names_its_loops_with_an_underscore(pdb, koc_lines):
+    (hairpin,) = find_hairpins(pdb([line[:21] + " " + line[22:] for line in koc_lines]))
+    assert (hairpin.name, hairpin.chain, hairpin.closing_pair) == ("_6-9", "", ("C5", "G10"))
+
+
+def test_insertion_codes_appear_in_name_and_label(pdb, koc_lines):
+    lines = [
+        line[:22] + "   6B" + line[27:] if int(line[22:26]) == 7 else line for line in koc_lines
+    ]
+    (hairpin,) = find_hairpins(pdb(lines))
+    assert hairpin.residues[:2] == ("A.U6", "A.U6^B")
+    lines = [
+        line[:22] + "   8B" + line[27:] if int(line[22:26]) == 9 else line for line in koc_lines
+    ]
+    assert find_hairpins(pdb(lines))[0].name == "A6-8B"
+
+
+def test_bounds_of_the_loop_length(koc):
+    assert find_hairpins(koc, max_loop=3) == []
+    assert len(find_hairpins(koc, min_loop=4, max_loop=4)) == 1
+    with pytest.raises(ValueError, match="`min_loop`"):
+        find_hairpins(koc, min_loop=5, max_loop=4)
+
+
+def test_dot_bracket_tells_crossing_pairs_apart(koc):
+    assert dot_bracket(14, canonical_pairs(koc.nucleotides, koc.positions(0))) == "(((((....)))))"
+    assert dot_bracket(8, np.array([[0, 4], [2, 6]])) == "(.[.).]."
+
+
+def test_agreement_with_an_independent_annotator(hairpins_folder):
+    expected = json.loads((hairpins_folder / "expected.json").read_text())
+    files = {path.name.split(".")[0]: path for path in hairpins_folder.glob("*.gz")}
+    differing = {}
+    for entry, theirs in expected.items():
+        ours = {(h.closing_pair, h.sequence) for h in find_hairpins(files[entry])}
+        wanted = {(tuple(h["closing"]), h["sequence"]) for h in theirs}
+        if ours != wanted:
+            differing[entry] = {closing for closing, _ in ours ^ wanted}
+    assert differing == {entry: set(reasons) for entry, reasons in DIFFERENCES.items()}
+
+
+def test_kissing_loops_list_their_contacts(hairpins_folder):
+    first, second = find_hairpins(hairpins_folder / "1y26.pdb.gz")
+    assert first.contacts == (("X.G37", "X.C61"), ("X.G38", "X.C60"))
+    assert second.contacts == (("X.C60", "X.G38"), ("X.C61", "X.G37"))
+
+
+def test_a_pseudoknot_has_no_simple_hairpin(hairpins_folder):
+    assert find_hairpins(hairpins_folder / "1rnk.pdb.gz") == []
+
+
+def test_isolated_pairs_close_a_loop_where_the_stem_goes_on(hairpins_folder):
+    for entry in ("430d", "1msy", "1aqo"):
+        (hairpin,) = find_hairpins(hairpins_folder / f"{entry}.pdb.gz")
+        assert hairpin.n_pairs == 1
+
+
+def test_the_ribosome(hairpins_folder):
+    found = find_hairpins(hairpins_folder / "1s72.pdb.gz")
+    # An earlier study of this file counted 51 loops of 3-9 nucleotides on two pairs or more.
+    assert sum(h.n_pairs > 1 and len(h) < 10 for h in found) == 51
+    assert len(found) == 59
+    assert {h.chain for h in found} == {"0", "9"}
+    assert max(len(h) for h in found) == 13

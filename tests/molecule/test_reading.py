@@ -1,0 +1,223 @@
+"""Files good and bad: what is read, and the one sentence that a fault becomes."""
+
+from __future__ import annotations
+
+import gzip
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from loopelastica.errors import MissingDependencyError, StructureError
+from loopelastica.molecule.hairpins import find_hairpins
+from loopelastica.molecule.nucleotides import read_structure
+
+KOC = Path(__file__).parents[2] / "data" / "hairpins" / "2koc.pdb"
+
+
+def fault_of(path) -> str:
+    """Return the sentence, after checking that it is one and names the file."""
+    with pytest.raises(StructureError) as caught:
+        list(read_structure(path).models())
+    sentence = str(caught.value)
+    assert "\n" not in sentence
+    assert sentence.startswith(str(path))
+    return sentence
+
+
+def number_fields(line: str, x: float, y: float, z: float) -> str:
+    return f"{line[:30]}{x:8.3f}{y:8.3f}{z:8.3f}{line[54:]}"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "cause"),
+    [
+        ("empty.pdb", b"", "empty"),
+        ("blank.pdb", b" \n\n", "empty"),
+        ("empty.cif", b"", "empty"),
+        ("noise.pdb", bytes(range(256)) * 8, "no ATOM"),
+        ("noise.cif", bytes(range(256)) * 8, "gemmi cannot read"),
+        ("noise.pdb.gz", b"this is not gzip", "cannot be read"),
+        ("page.pdb", b"<html><body>404</body></html>", "no ATOM"),
+        ("nothing.cif", b"data_x\n_a.b 1\n", "no atoms"),
+        ("word.xyz", b"hello", "MDAnalysis cannot read"),
+        ("nosuffix", b"hello", "MDAnalysis cannot read"),
+    ],
+)
+def test_a_bad_file_is_one_sentence(tmp_path, name, content, cause):
+    path = tmp_path / name
+    path.write_bytes(content)
+    assert cause in fault_of(path)
+
+
+def test_absent_file_and_folder(tmp_path):
+    assert "no such file" in fault_of(tmp_path / "absent.pdb")
+    (tmp_path / "folder.pdb").mkdir()
+    assert "folder" in fault_of(tmp_path / "folder.pdb")
+
+
+def test_unreadable_file(tmp_path, monkeypatch):
+    path = tmp_path / "locked.pdb"
+    path.write_text("x")
+
+    def refuse(*args, **kwargs):
+        raise PermissionError("Permission denied")
+
+    monkeypatch.setattr("builtins.open", refuse)
+    assert "permission" in fault_of(path)
+
+
+@pytest.mark.parametrize("kept", [31, 40, 53])
+def test_a_pdb_cut_inside_a_line_is_not_read_with_a_shorter_number(pdb, koc_lines, kept):
+    path = pdb(koc_lines)
+    path.write_text("\n".join([*koc_lines[:300], koc_lines[300][:kept]]))
+    assert "line 301 is cut short" in fault_of(path)
+
+
+def test_a_pdb_cut_inside_its_last_model(pdb, koc_lines):
+    path = pdb(koc_lines, koc_lines)
+    path.write_text("\n".join(path.read_text().splitlines()[:-100]))
+    assert "cut short, model 2" in fault_of(path)
+
+
+def test_a_compressed_file_cut_short(tmp_path):
+    path = tmp_path / "cut.pdb.gz"
+    path.write_bytes(gzip.compress(KOC.read_bytes())[:20_000])
+    assert "compressed file is cut short" in fault_of(path)
+
+
+def test_words_in_place_of_coordinates(pdb, koc_lines):
+    lines = list(koc_lines)
+    lines[7] = lines[7][:30] + " ******* " + lines[7][39:]
+    assert "line 9 has no readable coordinates" in fault_of(pdb(lines))
+
+
+def test_a_protein_has_no_nucleotide(pdb, koc_lines):
+    names = (" N  ", " CA ", " C  ", " O  ", " CB ")
+    lines = [
+        koc_lines[k][:12] + names[k % 5] + " ALA" + koc_lines[k][20:22] + f"{k // 5:4d}    "
+        f"{koc_lines[k][30:]}"
+        for k in range(50)
+    ]
+    assert "no nucleotide found" in fault_of(pdb(lines))
+
+
+def test_placeholder_coordinates(pdb, koc_lines):
+    zeros = [number_fields(line, 0, 0, 0) for line in koc_lines]
+    assert "every nucleotide lies at the origin" in fault_of(pdb(zeros))
+    assert "model 2: every nucleotide lies at the origin" in fault_of(pdb(koc_lines, zeros))
+    some = [z if line[22:26] == "   6" else line for z, line in zip(zeros, koc_lines, strict=True)]
+    assert "A.U6 lies at the origin" in fault_of(pdb(some))
+
+
+def test_coordinates_that_are_no_numbers(pdb, koc_lines):
+    lines = [
+        number_fields(line, np.nan, 0, 0) if line[12:16] == " P  " else line for line in koc_lines
+    ]
+    assert "A.G1 are no numbers" in fault_of(pdb(lines))
+
+
+def test_models_of_unequal_size_are_matched_atom_by_atom(pdb, koc_lines, koc):
+    shifted = [number_fields(line, k, 1.0, 2.0) for k, line in enumerate(koc_lines)]
+    lacking = [line for line in shifted if not line[12:16].strip().startswith("H")]
+    structure = read_structure(pdb(koc_lines, lacking))
+    assert structure.n_models == 2
+    np.testing.assert_allclose(structure.positions(0), koc.positions(0), atol=1e-4)
+    second = structure.positions(1)
+    hydrogen = [line[12:16].strip().startswith("H") for line in koc_lines]
+    np.testing.assert_array_equal(np.isnan(second).any(axis=1), hydrogen)
+    known = ~np.array(hydrogen)
+    np.testing.assert_array_equal(second[known, 0], np.arange(len(koc_lines))[known])
+
+
+def test_an_indented_record_is_an_atom_too(pdb, koc_lines):
+    structure = read_structure(pdb(["   " + koc_lines[0], *koc_lines[1:]]))
+    assert len(structure.nucleotides) == 14
+    assert structure.positions(0)[0, 0] == float(koc_lines[0][30:38])
+
+
+def test_gzip_changes_nothing(tmp_path, koc):
+    path = tmp_path / "2koc.pdb.gz"
+    path.write_bytes(gzip.compress(KOC.read_bytes(), 1))
+    packed = read_structure(path)
+    assert packed.n_models == 20
+    assert packed.name == "2koc.pdb.gz"
+    np.testing.assert_array_equal(packed.positions(13), koc.positions(13))
+
+
+def test_mmcif_gives_every_model(tmp_path, koc):
+    gemmi = pytest.importorskip("gemmi")
+    path = tmp_path / "2koc.cif"
+    gemmi.read_pdb(str(KOC)).make_mmcif_document().write_file(str(path))
+    structure = read_structure(path)
+    assert structure.n_models == 20
+    np.testing.assert_allclose(structure.positions(19), koc.positions(19), atol=1e-4)
+    assert [h.name for h in find_hairpins(structure)] == ["A6-9"]
+    (tmp_path / "cut.cif").write_text(path.read_text()[:60_000])
+    assert "gemmi cannot read" in fault_of(tmp_path / "cut.cif")
+
+
+def test_mmcif_without_gemmi_names_the_extra(tmp_path, monkeypatch):
+    path = tmp_path / "some.cif"
+    path.write_text("data_x\n")
+    monkeypatch.setitem(sys.modules, "gemmi", None)
+    with pytest.raises(MissingDependencyError, match=r"loopelastica\[mmcif\]"):
+        read_structure(path)
+
+
+def test_a_trajectory_is_read_frame_by_frame_and_given_back(koc):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import MDAnalysis
+
+        universe = MDAnalysis.Universe(str(KOC))
+    universe.trajectory[4]
+    structure = read_structure(universe)
+    assert (structure.name, structure.source, structure.n_models) == ("universe", None, 20)
+    frames = list(structure.models())
+    assert universe.trajectory.frame == 4
+    assert len(frames) == 20
+    np.testing.assert_array_equal(frames[7], koc.positions(7))
+    with pytest.raises(ValueError, match="`model` is 20"):
+        structure.positions(20)
+
+
+def test_positions_set_by_the_user_are_the_ones_read(koc):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import MDAnalysis
+
+        universe = MDAnalysis.Universe(str(KOC))
+    universe.atoms.positions = universe.atoms.positions + 5.0
+    moved = read_structure(universe).positions(0)
+    np.testing.assert_allclose(moved, koc.positions(0) + 5.0, atol=1e-4)
+
+
+def test_positions_are_read_only_doubles(koc):
+    positions = koc.positions(0)
+    assert positions.dtype == np.float64
+    with pytest.raises(ValueError, match="read-only"):
+        positions[0] = 0.0
+
+
+def test_what_is_no_structure_at_all(koc):
+    for thing in (42, koc.universe.atoms):
+        with pytest.raises(ValueError, match="`source`"):
+            read_structure(thing)
+
+
+def test_a_universe_without_coordinates_or_names():
+    import MDAnalysis
+
+    with pytest.raises(StructureError, match="universe: it has no coordinates"):
+        read_structure(MDAnalysis.Universe.empty(3))
+    with pytest.raises(StructureError, match="universe: the atoms have no names"):
+        read_structure(MDAnalysis.Universe.empty(3, trajectory=True))
+
+
+def test_the_file_whose_first_record_mdanalysis_cannot_place(hairpins_folder):
+    structure = read_structure(hairpins_folder / "1wts_unequal_models.pdb.gz")
+    assert "".join(structure.nucleotides.letter) == "GGACC"
+    assert np.isfinite(structure.positions(0)).all()
