@@ -1,0 +1,237 @@
+"""The road from a structure to the ranked shapes of its loops.
+
+    file → nucleotides → hairpins → stem ends → clamping → equilibria → candidates
+
+Each arrow is one call below. Only stem atoms reach the clamping; the loop's own coordinates enter
+the RMSD and nothing else.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from loopelastica.errors import StructureError
+from loopelastica.molecule.hairpins import Hairpin, find_hairpins
+from loopelastica.molecule.nucleotides import Nucleotides, centroids, read_structure
+from loopelastica.molecule.stem_ends import StemEnds, stem_ends
+from loopelastica.rank import Candidate, rank
+from loopelastica.rod.clamping import Array, Clamping, read_only
+from loopelastica.rod.equilibria import equilibria
+
+if TYPE_CHECKING:
+    import os
+
+    from MDAnalysis import Universe
+
+# persistence lengths of single strands in print run from 6 Å to several nm; this one only sets
+# the scale of energy_kT
+PERSISTENCE_LENGTH_A = 10.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoopFold:
+    """The folded loop of one hairpin.
+
+    Attributes
+    ----------
+    hairpin : Hairpin
+        What was folded.
+    candidates : tuple of Candidate
+        Ranked, least energy first; empty if ``failure`` says why the loop could not be folded.
+    failure : str or None
+        One sentence, or None.
+    ends : StemEnds or None
+        The clamp: frames at both ends, from stem atoms only (first model).
+    clamping : Clamping or None
+        The same, dimensionless.
+    length_A : float
+        Length of the line, Å.
+    backbone_A : (n_nt + 2, 3) ndarray or None
+        Centroids of the file's own backbone, closing nucleotide to closing nucleotide (first
+        model); None where the file has no loop. For comparison only.
+    parameters : dict
+        Every option that was in force.
+    model_failures : tuple of str
+        One sentence for each further model that could not be folded.
+    unseen : float
+        Estimate of the chance that the search missed an equilibrium (`Equilibria.unseen`).
+    """
+
+    hairpin: Hairpin
+    candidates: tuple[Candidate, ...]
+    parameters: dict[str, Any]
+    failure: str | None = None
+    ends: StemEnds | None = None
+    clamping: Clamping | None = None
+    length_A: float = 0.0
+    backbone_A: Array | None = None
+    model_failures: tuple[str, ...] = field(default=())
+    unseen: float = 1.0
+
+
+def fold(
+    path_or_universe: "str | os.PathLike[str] | Universe",
+    *,
+    free_spin: bool = True,
+    torsion_ratio: float = 1.0,
+    length_per_nucleotide_A: float | None = None,
+    persistence_length_A: float = PERSISTENCE_LENGTH_A,
+    energy_max: float | None = None,
+    max_candidates: int = 10,
+    all_models: bool = True,
+) -> list[LoopFold]:
+    """Fold every hairpin loop of a structure as an elastic rod clamped to its stem.
+
+    Parameters
+    ----------
+    path_or_universe : path or MDAnalysis.Universe
+        PDB or mmCIF file (gzipped or not; mmCIF needs the extra ``mmcif``), or a Universe.
+    free_spin : bool
+        Let the rod's end turn about its tangent; otherwise the direction to the helix axis is
+        clamped too and `torsion_ratio` matters.
+    torsion_ratio : float
+        K3/K0 of the backbone; unmeasured for single strands.
+    length_per_nucleotide_A : float, optional
+        Line length per loop nucleotide; default 6.0 (RNA) or 6.3 (DNA).
+    persistence_length_A : float
+        Sets the scale of ``energy_kT`` (K0 = kT·lp).
+    energy_max : float, optional
+        Highest dimensionless energy E·L/K0 listed; default as in :func:`equilibria`.
+    max_candidates : int
+        How many candidates are kept.
+    all_models : bool
+        Fold each model with its own clamp and compare it with its own loop.
+
+    Returns
+    -------
+    list of LoopFold
+        One per hairpin, in file order; a loop that cannot be folded says why in ``failure``.
+
+    Raises
+    ------
+    StructureError
+        If the file cannot be read or holds no nucleic acid.
+    ValueError
+        If an option is out of range.
+    """
+    parameters = {
+        "free_spin": bool(free_spin),
+        "torsion_ratio": _positive("torsion_ratio", torsion_ratio),
+        "length_per_nucleotide_A": (
+            None
+            if length_per_nucleotide_A is None
+            else _positive("length_per_nucleotide_A", length_per_nucleotide_A)
+        ),
+        "persistence_length_A": _positive("persistence_length_A", persistence_length_A),
+        "energy_max": None if energy_max is None else _positive("energy_max", energy_max),
+        "max_candidates": int(_positive("max_candidates", max_candidates)),
+        "all_models": bool(all_models),
+    }
+    structure = read_structure(path_or_universe)
+    hairpins = find_hairpins(structure)
+    folds: list[list[LoopFold]] = [[] for _ in hairpins]
+    for positions in structure.models():
+        for hairpin, models in zip(hairpins, folds, strict=True):
+            models.append(fold_positions(structure.nucleotides, hairpin, positions, **parameters))
+        if not all_models:
+            break
+    return [_together(models) for models in folds]
+
+
+def fold_positions(
+    nucleotides: Nucleotides, hairpin: Hairpin, positions: Array, **parameters: Any
+) -> LoopFold:
+    """Fold one hairpin in one model, from the positions (n_atoms, 3) of all atoms, Å.
+
+    ``parameters`` are those of :func:`fold`. A loop that cannot be folded says why in ``failure``.
+    """
+    try:
+        ends = stem_ends(nucleotides, hairpin, positions)
+        length_A = ends.length_A
+        if parameters["length_per_nucleotide_A"] is not None:
+            length_A = len(hairpin.loop) * parameters["length_per_nucleotide_A"]
+        clamping = _clamp(hairpin, ends, length_A, parameters["free_spin"])
+        rods = equilibria(clamping, parameters["torsion_ratio"], parameters["energy_max"])
+        if not rods:
+            raise StructureError(
+                f"{_name(hairpin)}: the solver found no equilibrium of the clamped line in"
+                f" {rods.starts} starts; the loop is not folded"
+            )
+    except StructureError as error:
+        return LoopFold(hairpin, (), parameters, failure=str(error))
+    shown = np.concatenate([hairpin.stem_5[:1], hairpin.loop, hairpin.stem_3[:1]])
+    backbone = centroids(nucleotides, positions)[shown]
+    backbone_A = read_only(backbone) if np.isfinite(backbone).all() else None
+    candidates = rank(
+        rods[: parameters["max_candidates"]],
+        ends,
+        length_A,
+        len(hairpin.loop),
+        parameters["persistence_length_A"],
+        None if backbone_A is None else backbone_A[1:-1],
+    )
+    return LoopFold(
+        hairpin,
+        candidates,
+        parameters,
+        None,
+        ends,
+        clamping,
+        length_A,
+        backbone_A,
+        (),
+        rods.unseen,
+    )
+
+
+def _clamp(hairpin: Hairpin, ends: StemEnds, length_A: float, free_spin: bool) -> Clamping:
+    distance_A = math.dist(ends.start_origin_A, ends.end_origin_A)
+    if distance_A >= length_A:
+        raise StructureError(
+            f"{_name(hairpin)}: the stem ends are {distance_A:.1f} Å apart but the loop's line is"
+            f" only {length_A:.1f} Å long; no rod fits and the loop is not folded"
+        )
+    return Clamping.from_frames(
+        ends.start_origin_A,
+        ends.start_frame,
+        ends.end_origin_A,
+        ends.end_frame,
+        length_A,
+        free_spin,
+    )
+
+
+def _together(models: list[LoopFold]) -> LoopFold:
+    """The first model's fold with the RMSDs of all models beside its own."""
+    first = models[0]
+    failures = tuple(
+        f"model {number}: {model.failure}"
+        for number, model in enumerate(models[1:], start=2)
+        if model.failure
+    )
+    candidates = tuple(
+        replace(c, rmsd_models_A=read_only(list(_rmsds(models, c.rank))))
+        if c.rmsd_A is not None
+        else c
+        for c in first.candidates
+    )
+    return replace(first, candidates=candidates, model_failures=failures)
+
+
+def _rmsds(models: list[LoopFold], order: int) -> Iterator[float]:
+    for model in models:
+        rmsd = model.candidates[order - 1].rmsd_A if len(model.candidates) >= order else None
+        yield math.inf if rmsd is None else rmsd
+
+
+def _name(hairpin: Hairpin) -> str:
+    return "–".join(hairpin.closing_pair)
+
+
+def _positive(name: str, value: float) -> float:
+    if not (math.isfinite(value) and value > 0):
+        raise ValueError(f"`{name}` is {value}; it must be positive and finite")
+    return float(value)

@@ -1,0 +1,153 @@
+"""The whole road on real hairpins."""
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import loopelastica as le
+from loopelastica._data import data_path
+from loopelastica.folding import fold_positions
+from loopelastica.molecule.hairpins import find_hairpins
+from loopelastica.molecule.nucleotides import read_structure
+
+HAIRPIN = data_path("hairpins/2koc.pdb")
+
+
+def options(**changed):
+    return {
+        "free_spin": True,
+        "torsion_ratio": 1.0,
+        "length_per_nucleotide_A": None,
+        "persistence_length_A": 10.0,
+        "energy_max": None,
+        "max_candidates": 10,
+        "all_models": True,
+    } | changed
+
+
+@pytest.fixture(scope="module")
+def structure():
+    return read_structure(HAIRPIN)
+
+
+@pytest.fixture(scope="module")
+def loop():
+    (loop,) = le.fold(HAIRPIN)
+    return loop
+
+
+def test_the_shipped_hairpin_folds_near_its_loop(loop):
+    assert loop.hairpin.sequence == "CUUCGG"
+    assert loop.hairpin.closing_pair == ("A.C5", "A.G10")
+    first = loop.candidates[0]
+    assert first.rank == 1
+    assert first.rmsd_A <= 1.7
+    assert first.residual < 1e-9
+    assert first.trace.shape == (4, 3)
+    assert first.rmsd_models_A.shape == (20,)
+    assert first.rmsd_models_A[0] == first.rmsd_A
+    assert np.ptp(first.rmsd_models_A) > 0.1
+    energies = [c.energy_per_A for c in loop.candidates]
+    assert energies == sorted(energies)
+    assert first.energy_per_A == pytest.approx(first.rod.energy / 24.0)
+    assert first.energy_kT == pytest.approx(10.0 * first.energy_per_A)
+
+
+@pytest.mark.parametrize(
+    ("entry", "limit"),
+    [("1kr8", 1.0), ("1xue", 1.0), ("1bjh", 1.0), ("1ac7", 1.3), ("2koc", 1.7)],
+)
+def test_first_ranked_rmsd_of_the_clamp_at_the_closing_pair(hairpin_folder, entry, limit):
+    (loop,) = le.fold(hairpin_folder / f"{entry}.pdb.gz", all_models=False)
+    assert loop.candidates[0].rmsd_A <= limit
+
+
+def test_each_model_is_clamped_by_its_own_stem_and_compared_with_its_own_loop(structure, loop):
+    for model in (3, 7):
+        alone = fold_positions(
+            structure.nucleotides, loop.hairpin, structure.positions(model), **options()
+        )
+        assert alone.candidates[0].rmsd_A == loop.candidates[0].rmsd_models_A[model]
+
+
+def test_scrambling_the_loop_changes_no_prediction(structure, loop, rng):
+    hairpin = loop.hairpin
+    atoms = np.unique(structure.nucleotides.atom_index[hairpin.loop])
+    atoms = atoms[atoms >= 0]
+    positions = structure.positions(0)
+    reference = fold_positions(structure.nucleotides, hairpin, positions, **options())
+    scrambled = positions.copy()
+    scrambled[atoms] += rng.normal(scale=5.0, size=(len(atoms), 3))
+    other = fold_positions(structure.nucleotides, hairpin, scrambled, **options())
+    for a, b in zip(reference.candidates, other.candidates, strict=True):
+        np.testing.assert_array_equal(a.trace, b.trace)
+        assert a.rod.energy == b.rod.energy
+        assert abs(a.rmsd_A - b.rmsd_A) > 0.1
+
+
+@pytest.mark.parametrize("free_spin", [True, False])
+def test_rigid_motion_moves_the_answer_by_the_same_motion(structure, rng, free_spin):
+    (hairpin,) = find_hairpins(structure)
+    positions = structure.positions(0)
+    chosen = options(free_spin=free_spin)
+    reference = fold_positions(structure.nucleotides, hairpin, positions, **chosen)
+    for turn in Rotation.random(3, random_state=rng):
+        shift = rng.uniform(-100, 100, 3)
+        moved = fold_positions(
+            structure.nucleotides, hairpin, positions @ turn.as_matrix().T + shift, **chosen
+        )
+        assert len(moved.candidates) == len(reference.candidates)
+        for a, b in zip(reference.candidates, moved.candidates, strict=True):
+            np.testing.assert_allclose(a.trace @ turn.as_matrix().T + shift, b.trace, atol=1e-6)
+
+
+def test_rigid_motion_through_a_pdb_file(tmp_path, rng, loop):
+    import MDAnalysis as mda
+
+    turn = Rotation.random(random_state=rng)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        universe = mda.Universe(HAIRPIN)
+        universe.atoms.positions = turn.apply(universe.atoms.positions) + [10.0, -20.0, 5.0]
+        universe.atoms.write(tmp_path / "moved.pdb")
+    (moved,) = le.fold(tmp_path / "moved.pdb")
+    expected = loop.candidates[0].trace @ turn.as_matrix().T + [10.0, -20.0, 5.0]
+    np.testing.assert_allclose(moved.candidates[0].trace, expected, atol=2e-3)
+
+
+def test_a_universe_folds_like_its_file_and_keeps_its_frame(loop):
+    import MDAnalysis as mda
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        universe = mda.Universe(HAIRPIN)
+    universe.trajectory[4]
+    (again,) = le.fold(universe)
+    assert universe.trajectory.frame == 4
+    np.testing.assert_allclose(again.candidates[0].trace, loop.candidates[0].trace, atol=1e-9)
+
+
+def test_darboux_clamping_and_line_length_are_the_users_choice(loop):
+    (clamped,) = le.fold(HAIRPIN, free_spin=False, torsion_ratio=0.7, all_models=False)
+    assert clamped.candidates[0].rod.torsion_ratio == 0.7
+    assert clamped.candidates[0].rod.energy > loop.candidates[0].rod.energy
+    (longer,) = le.fold(HAIRPIN, length_per_nucleotide_A=7.0, all_models=False)
+    assert longer.length_A == 28.0
+    with pytest.raises(ValueError, match="persistence_length_A"):
+        le.fold(HAIRPIN, persistence_length_A=-1)
+
+
+def test_a_line_too_short_for_the_stem_ends_is_refused(loop):
+    (short,) = le.fold(HAIRPIN, length_per_nucleotide_A=2.0)
+    assert short.candidates == ()
+    assert "no rod fits" in short.failure
+    assert "A.C5" in short.failure
+
+
+def test_results_can_be_kept_as_json(loop):
+    rod = loop.candidates[0].rod
+    again = le.Equilibrium.from_dict(json.loads(json.dumps(rod.to_dict())))
+    np.testing.assert_array_equal(again.loads, rod.loads)
