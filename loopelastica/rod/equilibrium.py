@@ -8,12 +8,18 @@ import functools
 import math
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica.rod.clamping import Array, Clamping, read_only
+
+if TYPE_CHECKING:
+    from loopelastica.rod.parameters import PhysicalParameters
+
+# points from which the integer of the net winding is told
+_WINDING_POINTS = 401
 
 # steps per radian of turning when a solution is drawn: 1e-12 over unit length
 _DENSITY = 4.0
@@ -97,6 +103,29 @@ class Equilibrium:
     def twist(self) -> float:
         """Turns of the frame about the tangent, ∫ τ ds / 2π with τ = M3/K30 constant (eq. 43)."""
         return float(self.loads[5] / self.torsion_ratio / math.tau)
+
+    @property
+    def net_winding(self) -> float:
+        """Net winding Lp of eq. 43 (Berger & Prior 2006), in turns: twist plus polar writhe.
+
+        The direction is the one half way between both end tangents; see :mod:`.writhe`.
+        """
+        from loopelastica.rod.writhe import net_winding
+
+        n = _WINDING_POINTS
+        return net_winding(self.centerline(n), self.frames(n), turns=self.twist)
+
+    @property
+    def writhe(self) -> float:
+        """Polar writhe of eq. 43, in turns: the net winding less the twist."""
+        return self.net_winding - self.twist
+
+    @property
+    def physical(self) -> "PhysicalParameters | None":
+        """Physical parameters p of eq. 14, or None where the force vanishes."""
+        from loopelastica.rod.parameters import PhysicalParameters
+
+        return PhysicalParameters.from_loads(self.loads, self.torsion_ratio)
 
     def poses(self, n: int | ArrayLike) -> Array:
         """Position and quaternion (w, x, y, z) of the frame at ``n`` points, shape (n, 7).
