@@ -18,6 +18,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+bench = typer.Typer(help="Measure the solvers; write tables and pictures.", no_args_is_help=True)
+app.add_typer(bench, name="bench")
+
 _Files = Annotated[
     list[Path], typer.Argument(help="PDB or mmCIF files, gzipped or not.", show_default=False)
 ]
@@ -267,6 +270,21 @@ def solve(
             f"--clamping {clamping!r}: no equilibrium found in {rods.starts} starts", err=True
         )
         raise typer.Exit(1)
+
+
+@bench.command("paper")
+def bench_paper(
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-bench/paper"
+    ),
+    full: Annotated[bool, typer.Option("--full", help="Every rod of the paper's sets.")] = False,
+    sample: Annotated[int, typer.Option(help="Rods per cell otherwise.", min=1)] = 400,
+) -> None:
+    """Rerun the studies of Figs. 3, 4 and 5 of the 2018 paper with its printed method."""
+    from loopelastica.bench.paper import run
+
+    run(out, full=full, sample=sample, progress=True)
+    typer.echo(f"written to {out}")
 
 
 if __name__ == "__main__":

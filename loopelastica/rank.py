@@ -77,7 +77,7 @@ def rank(
                 length_A,
                 energy_per_A,
                 energy_per_A * persistence_length_A,
-                None,
+                rod.stable,
                 rod.residual,
                 read_only(trace),
                 rmsd,

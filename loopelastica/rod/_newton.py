@@ -34,7 +34,7 @@ _MAX_ITERATIONS = 40
 _MAX_RATE = 400.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def end_error(y, position, quaternion, free_spin, m3, e, jacobian, with_jacobian):
     """Residual ``e`` (6,) of the end state ``y`` and, if asked, its ``jacobian`` (6, 6)."""
     for c in range(3):
@@ -76,7 +76,7 @@ def end_error(y, position, quaternion, free_spin, m3, e, jacobian, with_jacobian
                 jacobian[3 + i, j] = m[i, 0] * y[7 + j] + m[i, 1] * y[13 + j] + m[i, 2] * y[19 + j]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _largest(e):
     worst = 0.0
     for c in range(6):
@@ -85,7 +85,7 @@ def _largest(e):
     return worst if worst == worst else math.inf
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _squares(e):
     total = 0.0
     for c in range(6):
@@ -93,7 +93,7 @@ def _squares(e):
     return total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def marquardt_step(jacobian, e, scale, nu, a, d):
     """Solve (JᵀJ + ν S²) d = −Jᵀe by Cholesky; ``scale`` (6,) are 1/S. False if not definite."""
     for i in range(6):
@@ -130,7 +130,7 @@ def marquardt_step(jacobian, e, scale, nu, a, d):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def pivoted_step(jacobian, e, scale, a, d, drop=1e-11):
     """Newton step −J⁻¹e by complete pivoting; directions with pivots below ``drop`` stay put."""
     n = 6
@@ -178,7 +178,7 @@ def pivoted_step(jacobian, e, scale, a, d, drop=1e-11):
     return rank
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _scales(f, scale):
     force = max(10.0, math.sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]))
     moment = max(3.0, math.sqrt(f[3] * f[3] + f[4] * f[4] + f[5] * f[5]))
@@ -187,7 +187,7 @@ def _scales(f, scale):
         scale[3 + c] = moment
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _search(f, position, quaternion, torsion_ratio, free_spin, y, k, z, e, jacobian):
     """Levenberg–Marquardt on the coarse mesh down to ``_SWITCH``; f in place.
 
@@ -238,7 +238,7 @@ def _search(f, position, quaternion, torsion_ratio, free_spin, y, k, z, e, jacob
     return TOO_MANY_ITERATIONS, _MAX_ITERATIONS
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _polish(f, steps, position, quaternion, torsion_ratio, free_spin, y, k, z, e, jacobian):
     """Newton steps on ``steps`` steps until they no longer help; f in place, returns count."""
     a, d, scale = np.empty((6, 6)), np.empty(6), np.empty(6)
@@ -275,7 +275,7 @@ def _polish(f, steps, position, quaternion, torsion_ratio, free_spin, y, k, z, e
     return 8
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance):
     """Drive the loads ``f`` (6,) to the clamping, in place.
 
@@ -309,7 +309,7 @@ def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance):
     return CHECK_FAILED, residual, iterations, y[:POSE]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def elastic_energy(f, position, torsion_ratio):
     """∫ ½(κ² + K30 τ²) ds of the rod with loads ``f`` ending at ``position``.
 
@@ -321,7 +321,7 @@ def elastic_energy(f, position, torsion_ratio):
     return 0.5 * squares - work + 0.5 * f[5] * f[5] * (1.0 / torsion_ratio - 1.0)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def newton_batch(
     guesses, positions, quaternions, torsion_ratio, free_spin, lowest, tolerance,
     loads, energies, residuals, statuses,

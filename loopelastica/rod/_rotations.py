@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def quaternion_from_matrix(r):
     """Unit quaternion of a rotation matrix (3, 3), by the largest of its four components."""
     q = np.empty(4)
@@ -38,7 +38,7 @@ def quaternion_from_matrix(r):
     return q
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def matrix_from_quaternion(q):
     """Rotation matrix (3, 3) of a unit quaternion (4,)."""
     w, x, y, z = q[0], q[1], q[2], q[3]
@@ -55,14 +55,14 @@ def matrix_from_quaternion(q):
     return r
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def tangent(q):
     """Third column d3 of the rotation, as three floats."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def spin(q, angle):
     """Turn the frame ``q`` about its own d3 by ``angle``, in place."""
     c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
@@ -73,7 +73,7 @@ def spin(q, angle):
     q[3] = z * c + w * s
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def rotation_vector(q, p):
     """Rotation vector (space frame) that carries the frame ``p`` to the frame ``q``.
 
@@ -92,7 +92,7 @@ def rotation_vector(q, p):
     return factor * x, factor * y, factor * z
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def log_jacobian_inverse(v):
     """Inverse left Jacobian of SO(3) at the rotation vector ``v``.
 

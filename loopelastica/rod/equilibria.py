@@ -1,12 +1,15 @@
 """All equilibria of a clamping that many starts can find.
 
-Starts are the stored rods nearest to the clamping, nearest first, in rounds. What they lead to is
-compared at nine points along the rod: two results are one equilibrium if positions and frames
-agree within `SAME`. Where both ends lie on one line the rod can be turned about it at no cost, and
-two results are one if they agree after such a turn. From how often each equilibrium was hit
-follows how much is still unseen (Good–Turing: the share of hits that were first and only ones is
-the chance that the next start finds something new); rounds go on until that falls under
-`UNSEEN` or the budget ends.
+Two kinds of starts take turns. The structured ones of ``_cascade`` (whole turns, sides, kicks) end
+in minima; Newton's method from the nearest stored rods (``library``) finds saddles as well. What
+they lead to is compared at nine points along the rod: two results are one equilibrium if positions
+and frames agree within `SAME`. Where both ends lie on one line the rod can be turned about it at
+no cost, and two results are one if they agree after such a turn.
+
+From how often each equilibrium was hit follows how much is still unseen (Good–Turing: the share of
+hits that were first and only ones is the chance that the next start finds something new). Rounds
+go on, to more turns, stronger kicks and farther stored rods, until that falls under `UNSEEN` or
+the starts are used up.
 """
 
 import math
@@ -16,7 +19,15 @@ import numpy as np
 
 from loopelastica.rod.clamping import Array, Clamping
 from loopelastica.rod.equilibrium import Equilibrium, Status
-from loopelastica.rod.solve import TOLERANCE, check_torsion_ratio, straight
+from loopelastica.rod.solve import (
+    TOLERANCE,
+    check_torsion_ratio,
+    from_record,
+    new_record,
+    quaternion,
+    straight,
+)
+from loopelastica.rod.stability import assess, on_one_line
 
 # largest difference of position (L) or frame components between two copies of one equilibrium
 SAME = 1e-5
@@ -24,7 +35,33 @@ UNSEEN = 0.02
 # bending the rod twice around costs ½(4π)²
 ENERGY_SPAN = 8.0 * math.pi**2
 
-_ROUND, _BUDGET = 48, 384
+# turns, side of the start, side of the end, kick (negative: not relaxed), and how many stored rods
+# follow in the same round
+_SIDES = ((0, 0), (1, 0), (0, 1), (1, 1))
+_ROUNDS = (
+    (tuple((n, *sides, kick) for kick in (0, -1) for n in (0, 1, -1) for sides in _SIDES), 24),
+    (
+        (
+            *((n, *sides, kick) for kick in (0, -1) for n in (2, -2) for sides in _SIDES),
+            *((n, 0, 0, kick) for kick in (0.3, 0.8) for n in (0, 1, -1)),
+        ),
+        48,
+    ),
+    (
+        (
+            *((n, *sides, kick) for kick in (0, -1) for n in (3, -3, 4, -4) for sides in _SIDES),
+            *((n, 0, 0, kick) for kick in (1.5, 3.0) for n in (0, 1, -1, 2, -2)),
+        ),
+        96,
+    ),
+    ((), 200),
+)
+_FREE_ROUNDS = (
+    (tuple((0, *sides, kick) for kick in (0, -1) for sides in _SIDES), 24),
+    (tuple((0, *sides, kick) for kick in (0.3, 0.8) for sides in _SIDES), 48),
+    (tuple((0, *sides, kick) for kick in (1.5, 3.0) for sides in _SIDES), 96),
+    ((), 200),
+)
 
 
 class Equilibria(list[Equilibrium]):
@@ -60,7 +97,10 @@ class _Found:
 
 
 def equilibria(
-    clamping: Clamping, torsion_ratio: float = 1.0, energy_max: float | None = None
+    clamping: Clamping,
+    torsion_ratio: float = 1.0,
+    energy_max: float | None = None,
+    rounds: int | None = None,
 ) -> Equilibria:
     """Find the equilibria of a clamped rod up to an energy.
 
@@ -74,12 +114,17 @@ def equilibria(
         List equilibria with at most this energy, in K0/L; above any bound there are infinitely
         many. Default: the lowest energy found plus 8π² (79), what it costs to bend a rod twice
         around.
+    rounds : int, optional
+        How many rounds of starts to make, 1 to 4. By default at least two, and more until
+        ``unseen`` is small: the starts of one round are not independent, and the estimate alone
+        would end the search too early.
 
     Returns
     -------
     Equilibria
-        A list, lowest energy first, with the estimate ``unseen`` of what is missing. Where both
-        ends lie on one line each circle of solutions is listed once, by one of its rods.
+        A list, lowest energy first, each with its Morse index, and the estimate ``unseen`` of what
+        is missing. Where both ends lie on one line each circle of solutions is listed once, by one
+        of its rods.
 
     Raises
     ------
@@ -93,37 +138,57 @@ def equilibria(
     [7.0579, 19.1464, 23.2724]
     """
     torsion_ratio = check_torsion_ratio(torsion_ratio)
+    if rounds is not None and not 1 <= rounds <= len(_ROUNDS):
+        raise ValueError(f"`rounds` is {rounds}; it must be 1 to {len(_ROUNDS)}")
     stretched = straight(clamping, torsion_ratio)
     if stretched is not None:
-        bound = stretched.energy + ENERGY_SPAN if energy_max is None else float(energy_max)
-        return Equilibria([_Found(stretched, np.zeros(0), 2)], bound, 1)
+        return _result([_Found(stretched, np.zeros(0), 2)], energy_max, 1)
     from loopelastica.rod.library import library
 
-    guesses = library(torsion_ratio, clamping.free_spin).nearest(
-        clamping.position[None], clamping.rotation[None], _BUDGET
-    )[0]
     found: list[_Found] = []
-    result = Equilibria(found, math.inf, 0)
-    for first in range(0, _BUDGET, _ROUND):
-        for guess in guesses[first : first + _ROUND]:
-            rod = _from_guess(clamping, torsion_ratio, guess)
-            if rod.converged:
-                _merge(found, rod)
-        lowest = min((f.rod.energy for f in found), default=0.0)
-        bound = lowest + ENERGY_SPAN if energy_max is None else float(energy_max)
-        result = Equilibria(found, bound, first + _ROUND)
-        if result.unseen < UNSEEN:
+    stored = library(torsion_ratio, clamping.free_spin)
+    planned = (_FREE_ROUNDS if clamping.free_spin else _ROUNDS)[:rounds]
+    guesses = stored.nearest(
+        clamping.position[None], clamping.rotation[None], sum(count for _, count in planned)
+    )[0]
+    starts = used = 0
+    for number, (structured, count) in enumerate(planned, start=1):
+        for start in structured:
+            _merge(found, _from_start(clamping, torsion_ratio, start))
+        for guess in guesses[used : used + count]:
+            _merge(found, _from_guess(clamping, torsion_ratio, guess))
+        used += count
+        starts += len(structured) + count
+        result = _result(found, energy_max, starts)
+        if number >= 2 and result.unseen < UNSEEN:
             break
+    result[:] = [assess(rod) for rod in result]
     return result
+
+
+def _result(found: list[_Found], energy_max: float | None, starts: int) -> Equilibria:
+    lowest = min((f.rod.energy for f in found), default=0.0)
+    return Equilibria(found, lowest + ENERGY_SPAN if energy_max is None else energy_max, starts)
+
+
+def _from_start(clamping: Clamping, torsion_ratio: float, start: tuple[float, ...]) -> Equilibrium:
+    """What one structured start leads to."""
+    from loopelastica.rod._cascade import run_start
+
+    record = new_record()
+    outcome = run_start(
+        clamping.position, quaternion(clamping), torsion_ratio, clamping.free_spin,
+        np.array(start, dtype=np.float64), TOLERANCE, *record,
+    )  # fmt: skip
+    return from_record(clamping, torsion_ratio, outcome, record)
 
 
 def _from_guess(clamping: Clamping, torsion_ratio: float, guess: Array) -> Equilibrium:
     from loopelastica.rod._newton import elastic_energy, newton
-    from loopelastica.rod._rotations import quaternion_from_matrix
 
     loads = guess.copy()
     status, residual, _, _ = newton(
-        loads, clamping.position, quaternion_from_matrix(clamping.rotation),
+        loads, clamping.position, quaternion(clamping),
         torsion_ratio, clamping.free_spin, TOLERANCE,
     )  # fmt: skip
     if status != Status.CONVERGED:
@@ -133,7 +198,9 @@ def _from_guess(clamping: Clamping, torsion_ratio: float, guess: Array) -> Equil
 
 
 def _merge(found: list[_Found], rod: Equilibrium) -> None:
-    """Count ``rod`` as a hit of the equilibrium that it equals, or add it."""
+    """Count ``rod``, if it converged, as a hit of the equilibrium that it equals, or add it."""
+    if not rod.converged:
+        return
     for other in found:
         # equal loads are the same rod; unequal ones may be, on one line or near a fold
         if np.abs(other.rod.loads - rod.loads).max() < 1e-7:
@@ -167,9 +234,3 @@ def _mark(rod: Equilibrium) -> Array:
             [rod.twist, float(force @ moment) / (1.0 + float(force @ force))],
         ]
     )
-
-
-def on_one_line(clamping: Clamping) -> bool:
-    """Whether both end tangents lie on the line through both ends (θ_R = 0, η1 = η2 = 0)."""
-    across = max(np.abs(clamping.position[:2]).max(), np.abs(clamping.rotation[:2, 2]).max())
-    return bool(across < 1e-9 and clamping.rotation[2, 2] > 0)

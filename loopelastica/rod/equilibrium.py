@@ -1,7 +1,8 @@
 """One equilibrium of a clamped rod, and what it knows of itself.
 
-An equilibrium carries its loads and the poses of its nodes. Everywhere between two nodes it is
-integrated from the node before, so that errors grow over one interval only.
+An equilibrium carries its loads and the poses of its nodes, or the parameters of its two tails.
+Between two nodes it is integrated from the node before, so that errors grow over one interval
+only; loads alone no longer determine the rod in double precision once √F exceeds about 70.
 """
 
 import functools
@@ -25,6 +26,17 @@ _WINDING_POINTS = 401
 _DENSITY = 4.0
 
 
+# names of the codes in `_cascade`
+METHODS = (
+    "none",
+    "shooting from a stored rod",
+    "tails",
+    "tails + multiple shooting",
+    "discrete rod + multiple shooting",
+    "discrete rod + tails",
+)
+
+
 class Status(IntEnum):
     """How a solve ended; only ``CONVERGED`` (0) is a solution."""
 
@@ -39,8 +51,7 @@ class Status(IntEnum):
 
 MESSAGES = {
     Status.CONVERGED: "converged; the residual is that of a mesh the solver did not use",
-    Status.STALLED: "no start led to a solution: the last one stopped at a local minimum of the"
-    " end error",
+    Status.STALLED: "no start led to a solution",
     Status.TOO_MANY_ITERATIONS: "no start led to a solution within the iterations allowed",
     Status.TOO_STIFF: "the loads became too large for the rod to be fixed by them",
     Status.CHECK_FAILED: "the iteration converged but a second mesh does not confirm it",
@@ -70,7 +81,14 @@ class Equilibrium:
     status : Status
         Why the solver stopped; 0 is success. ``message`` says it in words.
     method : str
-        Which step of the solver delivered it.
+        Which step of the solver delivered it (`METHODS`).
+    node_s, node_pose : (m,), (m, 7) ndarray
+        Arc lengths and poses (position, quaternion, without the extra spin of K30 ≠ 1) of nodes.
+    tail : (20,) or (0,) ndarray
+        Parameters of the two homoclinic tails of a tense rod, which then take the nodes' place.
+    index : int or None
+        Morse index: independent ways downhill with both ends clamped; None until it is computed
+        (see :mod:`.stability`).
     """
 
     clamping: Clamping
@@ -79,20 +97,33 @@ class Equilibrium:
     energy: float
     residual: float
     status: Status
-    method: str = "shooting"
+    method: str = METHODS[1]
     node_s: Array = field(default_factory=lambda: np.zeros(1), repr=False)
     node_pose: Array = field(
         default_factory=lambda: np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]), repr=False
     )
+    tail: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+    index: int | None = None
 
     def __post_init__(self) -> None:
-        for name in ("loads", "node_s", "node_pose"):
+        for name in ("loads", "node_s", "node_pose", "tail"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
     def converged(self) -> bool:
         """Whether this is a solution."""
         return self.status == Status.CONVERGED
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether it is a local minimum of the energy; None until ``index`` is computed."""
+        return None if self.index is None else self.index == 0
+
+    @property
+    def periods(self) -> float:
+        """How many periods of curvature the rod runs through; 0 for a helix or circle."""
+        p = self.physical
+        return 0.0 if p is None or not math.isfinite(p.period) else p.length / p.period
 
     @property
     def message(self) -> str:
@@ -133,13 +164,24 @@ class Equilibrium:
         ``n`` is a number of points equally spaced in arc length, both ends included, or an array
         of arc lengths in [0, 1], in any order. ValueError if it is neither.
         """
-        s = _arc_lengths(n)
+        return self._poses(_arc_lengths(n), self.torsion_ratio)
+
+    def poses_without_spin(self, n: int | ArrayLike) -> Array:
+        """As `poses`, the frames turning with M as if K30 were 1 (M3 keeps its value)."""
+        return self._poses(_arc_lengths(n), 1.0)
+
+    def _poses(self, s: Array, torsion_ratio: float) -> Array:
+        if len(self.tail):
+            from loopelastica.rod._tails import sample_tails
+
+            tails: Array = sample_tails(self.tail, torsion_ratio, s)
+            return tails
         from loopelastica.rod._shooting import sample
 
         order = np.argsort(s, kind="stable")
         out = np.empty((len(s), 7))
         out[order] = sample(
-            self.loads, self.torsion_ratio, self.node_s, self.node_pose, s[order], _DENSITY
+            self.loads, torsion_ratio, self.node_s, self.node_pose, s[order], _DENSITY
         )
         return out
 
@@ -176,6 +218,8 @@ class Equilibrium:
             "method": self.method,
             "node_s": self.node_s.tolist(),
             "node_pose": self.node_pose.tolist(),
+            "tail": self.tail.tolist(),
+            "index": self.index,
         }
 
     @classmethod
@@ -195,6 +239,8 @@ class Equilibrium:
             values["method"],
             values["node_s"],
             values["node_pose"],
+            values["tail"],
+            values["index"],
         )
 
 

@@ -1,9 +1,11 @@
-"""From a clamping to an equilibrium: stored neighbours, Newton, check.
+"""From a clamping to an equilibrium: a cascade of starts, each judged independently.
 
-The library gives the loads of the rods whose end poses are nearest to the clamping, Newton's
-method drives each to it, and only what a second mesh confirms is called converged. ``solve``
-tries `STARTS` neighbours and keeps the least energy (or stops at the first solution); where none
-leads anywhere it goes on to `MORE_STARTS`.
+The first solution comes, where many stored rods are near, from Newton's method on the loads of
+the nearest ones (``library``, ``_newton``). Everything else comes from the structured starts of
+``_cascade``: an axis of tension with a whole number of turns, each end tail on one side or the
+other. They go through closed-form tails, multiple shooting and the discrete rod. The lowest of
+their results was the lowest of all known ones wherever this was compared with random starts; it is
+not proven to be.
 """
 
 from dataclasses import dataclass
@@ -12,12 +14,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from loopelastica.rod.clamping import Array, Clamping
-from loopelastica.rod.equilibrium import Equilibrium, Status
+from loopelastica.rod.equilibrium import METHODS, Equilibrium, Status
 
 # largest end error (position, rotation vector) of a converged solution on the check mesh
 TOLERANCE = 1e-9
-STARTS, MORE_STARTS = 16, 64
 
+# turns and sides (start, end) of the standard starts; the rest is tried where these fail. Three
+# turns alone miss the lowest rod about once in a thousand poses below |η| = 0.6
+_LOWEST = tuple((n, *sides) for n in (0, 1, -1) for sides in ((0, 0), (1, 0), (0, 1)))
+# twist costs next to nothing: more turns are worth a look
+_SOFT = (*_LOWEST, (2, 0, 0), (-2, 0, 0), (3, 0, 0), (-3, 0, 0))
+_FREE = ((0, 0, 0), (0, 1, 0), (0, 0, 1), (0, 1, 1))
+_SOFT_RATIO = 0.1
+
+# nearest stored rods that are tried first, and how far apart the ends may be for them
+_NEIGHBOURS, _SLACK = 2, 0.95
 # |η| above this is the straight rod or out of reach: the load of a bent one exceeds 1e18
 _STRAIGHT = 1e-9
 _CHUNK = 2048
@@ -133,21 +144,66 @@ def solve(clamping: Clamping, torsion_ratio: float = 1.0, lowest: bool = True) -
     stretched = straight(clamping, torsion_ratio)
     if stretched is not None:
         return stretched
-    batch = solve_batch(
-        clamping.position[None],
-        clamping.rotation[None],
-        torsion_ratio,
-        clamping.free_spin,
-        lowest,
-    )
-    return Equilibrium(
-        clamping,
-        torsion_ratio,
-        batch.loads[0],
-        float(batch.energy[0]),
-        float(batch.residual[0]),
-        Status(batch.status[0]),
-    )
+    if not lowest and np.linalg.norm(clamping.position) < _SLACK:
+        # the same road as in a batch
+        batch = Batch.unsolved(1)
+        _from_neighbours(
+            np.arange(1), clamping.position[None], clamping.rotation[None], torsion_ratio,
+            clamping.free_spin, batch,
+        )  # fmt: skip
+        if batch.converged[0]:
+            loads, energy, residual, _ = (array[0] for array in batch._arrays())
+            return Equilibrium(
+                clamping, torsion_ratio, loads, float(energy), float(residual), Status.CONVERGED
+            )
+    from loopelastica.rod._cascade import run_starts
+
+    record = new_record()
+    outcome = run_starts(
+        clamping.position, quaternion(clamping), torsion_ratio, clamping.free_spin,
+        starts(torsion_ratio, clamping.free_spin), lowest, TOLERANCE, *record,
+    )  # fmt: skip
+    return from_record(clamping, torsion_ratio, outcome, record)
+
+
+def quaternion(clamping: Clamping) -> Array:
+    """End frame as a quaternion (w, x, y, z)."""
+    from loopelastica.rod._rotations import quaternion_from_matrix
+
+    q: Array = quaternion_from_matrix(clamping.rotation)
+    return q
+
+
+def new_record() -> tuple[Array, Array, Array, Array]:
+    """Room for what ``_cascade`` writes: loads, node_s, node_pose, tail."""
+    from loopelastica.rod._cascade import NODES
+    from loopelastica.rod._tails import SIZE
+
+    return np.zeros(6), np.empty(NODES), np.empty((NODES, 7)), np.zeros(SIZE)
+
+
+def starts(torsion_ratio: float, free_spin: bool) -> Array:
+    """Standard starts (n, 4): turns, sides of start and end, kick."""
+    chosen = _FREE if free_spin else _SOFT if torsion_ratio < _SOFT_RATIO else _LOWEST
+    return np.array([(*start, 0) for start in chosen], dtype=np.float64)
+
+
+def from_record(
+    clamping: Clamping,
+    torsion_ratio: float,
+    outcome: tuple[int, float, float, int],
+    record: tuple[Array, Array, Array, Array],
+) -> Equilibrium:
+    """The equilibrium of an outcome (method, residual, energy, segments) and its record."""
+    method, residual, energy, segments = outcome
+    loads, node_s, node_pose, tail = record
+    status = Status.CONVERGED if method else Status.STALLED
+    known = (clamping, torsion_ratio, loads, energy, residual, status, METHODS[method])
+    if not method:
+        return Equilibrium(*known)
+    if segments == 0:
+        return Equilibrium(*known, tail=tail)
+    return Equilibrium(*known, node_s[: segments + 1], node_pose[: segments + 1])
 
 
 def solve_batch(
@@ -201,25 +257,14 @@ def solve_batch(
         _try_straight(int(i), positions, rotations, torsion_ratio, free_spin, batch)
     for first in range(0, len(rows), _CHUNK):
         part = rows[first : first + _CHUNK]
-        for skip, count in _rounds(lowest):
+        if not lowest:
+            near = part[np.linalg.norm(positions[part], axis=1) < _SLACK]
+            _from_neighbours(near, positions, rotations, torsion_ratio, free_spin, batch)
             part = part[batch.status[part] != Status.CONVERGED]
-            if len(part) == 0:
-                break
-            guesses = _guesses(positions[part], rotations[part], torsion_ratio, free_spin, count)
-            _solve_rows(
-                part, guesses[:, skip:], positions, rotations, torsion_ratio, free_spin, lowest,
-                batch,
-            )  # fmt: skip
+        _from_starts(part, positions, rotations, torsion_ratio, free_spin, lowest, batch)
     for array in batch._arrays():
         array.setflags(write=False)
     return batch
-
-
-def _rounds(lowest: bool) -> tuple[tuple[int, int], ...]:
-    """Which neighbours are tried, in rounds that end where one leads to a solution."""
-    if lowest:
-        return ((0, STARTS), (STARTS, MORE_STARTS))
-    return ((0, 4), (4, STARTS), (STARTS, MORE_STARTS))
 
 
 def _solvable(positions: Array, rotations: Array, batch: Batch) -> NDArray[np.bool_]:
@@ -249,28 +294,61 @@ def _try_straight(
         batch.residual[i], batch.status[i] = rod.residual, rod.status
 
 
-def _guesses(
-    positions: Array, rotations: Array, torsion_ratio: float, free_spin: bool, count: int
-) -> Array:
-    from loopelastica.rod.library import library
-
-    return library(torsion_ratio, free_spin).nearest(positions, rotations, count)
-
-
-def _solve_rows(
-    rows: NDArray[np.intp], guesses: Array, positions: Array, rotations: Array,
-    torsion_ratio: float, free_spin: bool, lowest: bool, batch: Batch,
-) -> None:  # fmt: skip
-    """Newton from the guesses (m, c, 6) of the given rows; results into ``batch``."""
+def _quaternions(rotations: Array) -> Array:
     from scipy.spatial.transform import Rotation
 
-    from loopelastica.rod._newton import newton_batch
+    return np.asarray(Rotation.from_matrix(rotations).as_quat(scalar_first=True))
 
-    quaternions = Rotation.from_matrix(rotations[rows]).as_quat(scalar_first=True)
+
+def _from_neighbours(
+    rows: NDArray[np.intp], positions: Array, rotations: Array, torsion_ratio: float,
+    free_spin: bool, batch: Batch,
+) -> None:  # fmt: skip
+    """Newton from the nearest stored rods of the given rows; results into ``batch``."""
+    if len(rows) == 0:
+        return
+    from loopelastica.rod._newton import newton_batch
+    from loopelastica.rod.library import library
+
+    stored = library(torsion_ratio, free_spin)
     results = [array[rows] for array in batch._arrays()]
     newton_batch(
-        np.ascontiguousarray(guesses), positions[rows], quaternions,
-        torsion_ratio, free_spin, lowest, TOLERANCE, *results,
-    )  # fmt: skip
+        stored.nearest(positions[rows], rotations[rows], _NEIGHBOURS),
+        positions[rows],
+        _quaternions(rotations[rows]),
+        torsion_ratio,
+        free_spin,
+        False,
+        TOLERANCE,
+        *results,
+    )
     for array, result in zip(batch._arrays(), results, strict=True):
         array[rows] = result
+
+
+def _from_starts(
+    rows: NDArray[np.intp], positions: Array, rotations: Array, torsion_ratio: float,
+    free_spin: bool, lowest: bool, batch: Batch,
+) -> None:  # fmt: skip
+    """The cascade from the standard starts of the given rows; results into ``batch``."""
+    if len(rows) == 0:
+        return
+    from loopelastica.rod._cascade import run_batch
+
+    loads, energy, residual, _ = (array[rows] for array in batch._arrays())
+    method = np.zeros(len(rows), dtype=np.int64)
+    run_batch(
+        positions[rows],
+        _quaternions(rotations[rows]),
+        torsion_ratio,
+        free_spin,
+        starts(torsion_ratio, free_spin),
+        lowest,
+        TOLERANCE,
+        loads,
+        energy,
+        residual,
+        method,
+    )
+    batch.loads[rows], batch.energy[rows], batch.residual[rows] = loads, energy, residual
+    batch.status[rows] = np.where(method > 0, Status.CONVERGED, Status.STALLED)

@@ -1,0 +1,1 @@
+"""Studies that a reader can rerun: measured success, accuracy and speed."""

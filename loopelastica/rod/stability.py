@@ -1,0 +1,100 @@
+"""Which equilibria hold: the Morse index of a solution.
+
+The index is the number of independent directions in which the energy falls while both ends stay
+clamped; zero is a local minimum. It is counted from conjugate points and from the inertia of a
+discretized Hessian (see ``_conjugate``). Where they differ — multiple conjugate points, which sign
+changes miss in pairs, or a point on the verge — the discretization is refined until two meshes
+agree, and decides. For √F above `STIFF` only the inertia is used: det V has lost its digits there.
+
+A rod stretched straight has nowhere to go and is stable. Where both ends lie on one line the turn
+of the rod about it costs nothing; such a zero mode does not count.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from loopelastica.rod.clamping import Array, Clamping
+from loopelastica.rod.equilibrium import Equilibrium
+
+STIFF = 25.0
+_MESHES = (64, 128, 256, 512)
+# per unit length: below any mode that matters, above the error of a zero mode on these meshes
+_ZERO_MODE = 0.05
+
+
+def on_one_line(clamping: Clamping) -> bool:
+    """Whether both end tangents lie on the line through both ends (θ_R = 0, η1 = η2 = 0)."""
+    across = max(np.abs(clamping.position[:2]).max(), np.abs(clamping.rotation[:2, 2]).max())
+    return bool(across < 1e-9 and clamping.rotation[2, 2] > 0)
+
+
+def assess(rod: Equilibrium) -> Equilibrium:
+    """The same equilibrium with its Morse index computed.
+
+    Parameters
+    ----------
+    rod : Equilibrium
+        Unchanged if it did not converge or knows its index already.
+
+    Returns
+    -------
+    Equilibrium
+        With ``index`` and ``stable``.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> arch = le.solve(le.Clamping([0, 0, 0.9], np.eye(3)))
+    >>> print(arch.stable, assess(arch).stable)
+    None True
+    """
+    if not rod.converged or rod.index is not None:
+        return rod
+    return replace(rod, index=morse_index(rod))
+
+
+def morse_index(rod: Equilibrium) -> int:
+    """Number of independent ways downhill from a converged equilibrium, ends clamped."""
+    if rod.method == "straight":
+        return 0
+    root = math.sqrt(float(np.linalg.norm(rod.loads[:3])))
+    by_mesh = [_inertia(rod, root, _MESHES[0])]
+    if root <= STIFF and by_mesh[0] == conjugate_points(rod):
+        return by_mesh[0]
+    for mesh in _MESHES[1:]:
+        by_mesh.append(_inertia(rod, root, mesh))
+        if by_mesh[-1] == by_mesh[-2]:
+            break
+    return by_mesh[-1]
+
+
+def conjugate_points(rod: Equilibrium) -> int:
+    """Sign changes of det V in (0, L): conjugate points of odd multiplicity."""
+    from loopelastica.rod._conjugate import sign_changes
+    from loopelastica.rod._shooting import moment_bound
+
+    # several points per radian of the fastest turning
+    n = max(160, int(12 * moment_bound(rod.loads)))
+    s = np.linspace(0.0, 1.0, n + 1)
+    poses = rod.poses_without_spin(s)
+    return int(sign_changes(rod.loads, rod.torsion_ratio, rod.clamping.free_spin, s, poses))
+
+
+def _inertia(rod: Equilibrium, root: float, n: int) -> int:
+    from loopelastica.rod._conjugate import inertia
+    from loopelastica.rod._relaxation import graded_nodes
+
+    s = np.empty(n + 1)
+    graded_nodes(n, min(root, 200.0), s)
+    frames: Array = np.empty((n + 2, 4))
+    frames[0] = (1.0, 0.0, 0.0, 0.0)
+    frames[1:] = rod.poses(np.append(0.5 * (s[1:] + s[:-1]), 1.0))[:, 3:]
+    shift = _ZERO_MODE if on_one_line(rod.clamping) else 0.0
+    return int(
+        inertia(
+            rod.loads, rod.clamping.position, rod.torsion_ratio, rod.clamping.free_spin,
+            s, frames, shift,
+        )
+    )  # fmt: skip
