@@ -37,8 +37,7 @@ def _nearest_rotation(rotation: Array) -> Array:
     if np.linalg.det(rotation) < 0:
         raise ValueError("`rotation` is not a rotation: its determinant is −1, a reflection")
     u, _, vt = np.linalg.svd(rotation)
-    nearest: Array = u @ vt
-    return nearest
+    return np.asarray(u @ vt, dtype=np.float64)
 
 
 def _rotation_zyz(psi: float, theta: float, phi: float) -> Array:
