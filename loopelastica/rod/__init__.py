@@ -20,7 +20,15 @@ K30           torsion ratio K3/K0; it spins the frames and never changes the cen
 quaternion    (w, x, y, z) of R
 ============  ===========================================================================
 
-Modules: `clamping` (q), `_shooting` (f to end pose and Jacobian), `_newton` (one guess to a
-solution), `library` (guesses), `solve` and `equilibria` (the way from q to rods), `equilibrium`
-(what a rod knows of itself).
+The way from q to rods: `clamping` (q) → `solve`, `equilibria` → `equilibrium` (what a rod knows of
+itself) → `stability`. Beneath them, compiled:
+
+- `_shooting`, `_newton`: f to end pose with its Jacobian; one guess to a solution, from `library`;
+- `_cascade`: one start to a solution, through `_tails` (high tension in closed form),
+  `_relaxation` (the discrete rod of least energy) and `_segments` (multiple shooting);
+- `_conjugate`: the second variation.
+
+The closed form of the paper and its method: `parameters` (p, `_closed_form`, `_elliptic`), `writhe`
+(eq. 43), `grid` and `paper` with their kernels `_grid`, `_paper_*` and `_bulirsch_stoer`: the
+reference that benchmarks compare with.
 """

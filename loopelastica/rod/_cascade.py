@@ -27,6 +27,7 @@ from loopelastica.rod._relaxation import (
     relax,
     start_frames,
     unrelaxed_loads,
+    wave,
 )
 from loopelastica.rod._rotations import tangent
 from loopelastica.rod._segments import polish
@@ -254,6 +255,8 @@ def _relax_start(position, quaternion, gap, ratio, free_spin, start, n, s, frame
     )  # fmt: skip
     if start[3] < 0.0:
         # unrelaxed: multiple shooting then goes to a saddle as readily as to a minimum
+        if start[3] < -1.0:
+            wave(frames, s, n, position, force, -start[3])
         unrelaxed_loads(frames, s, n, ratio, force, load)
         return 0.0
     if start[3] > 0.0:
@@ -435,7 +438,7 @@ def run_start(
 ):  # fmt: skip
     """One start (turns, side 0, side 1, kick) to its own solution, with no other try.
 
-    A negative kick leaves out the relaxation.
+    A negative kick leaves out the relaxation; −k with k > 1 adds k half waves.
     """
     squares = position[0] ** 2 + position[1] ** 2 + position[2] ** 2
     gap = (1.0 - squares) / (1.0 + math.sqrt(squares))

@@ -9,7 +9,7 @@ index is their number, each counted with the dimension of the kernel. With a fre
 energy is that of bending alone, M3 = 0, and the test is the same for the five variations that
 leave M3 alone and the five of position and tangent.
 
-Inertia. The Hessian H of the discretized energy (``_relaxation``) at the solution and the Schur
+Inertia. The Hessian H of the discretized energy (``_discrete``) at the solution and the Schur
 complement S of its three constraints give the index neg(H) − neg(S). It counts multiple conjugate
 points right and does not suffer from the growth exp √F of V, but knows the rod only to the
 discretization's error.
@@ -20,7 +20,7 @@ import math
 import numpy as np
 from numba import njit
 
-from loopelastica.rod._relaxation import _assemble, _factor, _measure, _negative
+from loopelastica.rod._discrete import assemble, factor, measure, negative_eigenvalues
 from loopelastica.rod._rotations import matrix_from_quaternion
 from loopelastica.rod._segments import _integrate, _rows
 from loopelastica.rod._shooting import WITH_JACOBIAN
@@ -123,18 +123,18 @@ def inertia(loads, position, torsion_ratio, free_spin, s, frames, shift):
     diagonal, upper = np.empty((blocks, 3, 3)), np.empty((blocks, 3, 3))
     gradient, sides = np.empty((blocks, 3)), np.empty((blocks, 3, 3))
     inverse, x, schur = np.empty((blocks, 3, 3)), np.empty((blocks, 3, 4)), np.zeros((3, 3))
-    _measure(frames, s, n, position, k3, omega, c)
-    _assemble(frames, s, n, blocks, k3, omega, loads[:3], diagonal, upper, gradient, sides)
+    measure(frames, s, n, position, k3, omega, c)
+    assemble(frames, s, n, blocks, k3, omega, loads[:3], diagonal, upper, gradient, sides)
     for k in range(blocks):
         for i in range(3):
             x[k, i, 0] = 0.0
             for j in range(3):
                 x[k, i, 1 + j] = sides[k, i, j]
-    negative = _factor(diagonal, upper, s, n, blocks, shift, inverse, x)
+    negative = factor(diagonal, upper, s, n, blocks, shift, inverse, x)
     for k in range(n):
         for i in range(3):
             for a in range(2):
                 for j in range(3):
                     schur[i, j] += sides[k, a, i] * x[k, a, 1 + j]
-    count, _ = _negative(schur, 0.0)
+    count, _ = negative_eigenvalues(schur, 0.0)
     return negative - count

@@ -319,32 +319,3 @@ def elastic_energy(f, position, torsion_ratio):
     squares = f[3] * f[3] + f[4] * f[4] + f[5] * f[5]
     work = f[0] * position[0] + f[1] * position[1] + f[2] * (position[2] - 1.0)
     return 0.5 * squares - work + 0.5 * f[5] * f[5] * (1.0 / torsion_ratio - 1.0)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def newton_batch(
-    guesses, positions, quaternions, torsion_ratio, free_spin, lowest, tolerance,
-    loads, energies, residuals, statuses,
-):  # fmt: skip
-    """Solve many clampings from their guesses (n, c, 6); results into the last four arrays.
-
-    The first guess that converges is kept, or, with ``lowest``, the one of least energy.
-    """
-    f = np.empty(6)
-    for i in range(guesses.shape[0]):
-        for j in range(guesses.shape[1]):
-            f[:] = guesses[i, j]
-            status, residual, _, _ = newton(
-                f, positions[i], quaternions[i], torsion_ratio, free_spin, tolerance
-            )
-            if status != CONVERGED:
-                if statuses[i] != CONVERGED:
-                    statuses[i] = status
-                    loads[i] = f
-                continue
-            energy = elastic_energy(f, positions[i], torsion_ratio)
-            if energy < energies[i]:
-                loads[i] = f
-                energies[i], residuals[i], statuses[i] = energy, residual, status
-            if not lowest:
-                break

@@ -47,7 +47,8 @@ def _rotation_zyz(psi: float, theta: float, phi: float) -> Array:
 
     c, s = math.cos(theta), math.sin(theta)
     about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    return about_z(psi) @ about_y @ about_z(phi)
+    rotation: Array = about_z(psi) @ about_y @ about_z(phi)
+    return rotation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,6 +145,15 @@ class Clamping:
         # the second modulo: -1e-17 % 2π is 2π itself
         angles = [psi % math.tau % math.tau, theta, phi % math.tau % math.tau]
         return np.concatenate([self.position, angles])
+
+    @property
+    def on_one_line(self) -> bool:
+        """Whether both end tangents lie on the line through both ends (θ_R = 0, η1 = η2 = 0).
+
+        Any rod can then be turned about that line at no cost: solutions come in circles.
+        """
+        across = max(np.abs(self.position[:2]).max(), np.abs(self.rotation[:2, 2]).max())
+        return bool(across < 1e-9 and self.rotation[2, 2] > 0)
 
     def turned(self, angle: float) -> "Clamping":
         """The same rod seen from a start frame turned about its tangent (eq. 15–16).

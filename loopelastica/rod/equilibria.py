@@ -27,7 +27,7 @@ from loopelastica.rod.solve import (
     quaternion,
     straight,
 )
-from loopelastica.rod.stability import assess, on_one_line
+from loopelastica.rod.stability import assess
 
 # largest difference of position (L) or frame components between two copies of one equilibrium
 SAME = 1e-5
@@ -35,13 +35,21 @@ UNSEEN = 0.02
 # bending the rod twice around costs ½(4π)²
 ENERGY_SPAN = 8.0 * math.pi**2
 
-# turns, side of the start, side of the end, kick (negative: not relaxed), and how many stored rods
-# follow in the same round
+# turns, side of the start, side of the end, kick (negative: not relaxed, half waves), and how many
+# stored rods follow in the same round
 _SIDES = ((0, 0), (1, 0), (0, 1), (1, 1))
+_WAVES = (2, 3, 4, 5, 6)
 _ROUNDS = (
-    (tuple((n, *sides, kick) for kick in (0, -1) for n in (0, 1, -1) for sides in _SIDES), 24),
     (
         (
+            *((n, *sides, kick) for kick in (0, -1) for n in (0, 1, -1) for sides in _SIDES),
+            *((0, 0, 0, -waves) for waves in _WAVES),
+        ),
+        24,
+    ),
+    (
+        (
+            *((n, 0, 0, -waves) for n in (1, -1) for waves in _WAVES),
             *((n, *sides, kick) for kick in (0, -1) for n in (2, -2) for sides in _SIDES),
             *((n, 0, 0, kick) for kick in (0.3, 0.8) for n in (0, 1, -1)),
         ),
@@ -57,7 +65,13 @@ _ROUNDS = (
     ((), 200),
 )
 _FREE_ROUNDS = (
-    (tuple((0, *sides, kick) for kick in (0, -1) for sides in _SIDES), 24),
+    (
+        (
+            *((0, *sides, kick) for kick in (0, -1) for sides in _SIDES),
+            *((0, 0, 0, -waves) for waves in _WAVES),
+        ),
+        24,
+    ),
     (tuple((0, *sides, kick) for kick in (0.3, 0.8) for sides in _SIDES), 48),
     (tuple((0, *sides, kick) for kick in (1.5, 3.0) for sides in _SIDES), 96),
     ((), 200),
@@ -101,6 +115,7 @@ def equilibria(
     torsion_ratio: float = 1.0,
     energy_max: float | None = None,
     rounds: int | None = None,
+    turns: int | None = None,
 ) -> Equilibria:
     """Find the equilibria of a clamped rod up to an energy.
 
@@ -118,6 +133,10 @@ def equilibria(
         How many rounds of starts to make, 1 to 4. By default at least two, and more until
         ``unseen`` is small: the starts of one round are not independent, and the estimate alone
         would end the search too early.
+
+    turns : int, optional
+        List only rods with that many whole turns (:attr:`Equilibrium.turns`), and start from ends
+        wound up that far, beyond half a turn too.
 
     Returns
     -------
@@ -148,6 +167,11 @@ def equilibria(
     found: list[_Found] = []
     stored = library(torsion_ratio, clamping.free_spin)
     planned = (_FREE_ROUNDS if clamping.free_spin else _ROUNDS)[:rounds]
+    if turns is not None and not clamping.free_spin:
+        wound = tuple(
+            (turns + n, *sides, kick) for kick in (0, -1) for n in (0, 1, -1) for sides in _SIDES
+        )
+        planned = ((wound, 0), *planned)
     guesses = stored.nearest(
         clamping.position[None], clamping.rotation[None], sum(count for _, count in planned)
     )[0]
@@ -159,7 +183,8 @@ def equilibria(
             _merge(found, _from_guess(clamping, torsion_ratio, guess))
         used += count
         starts += len(structured) + count
-        result = _result(found, energy_max, starts)
+        chosen = [f for f in found if turns is None or f.rod.turns == turns]
+        result = _result(chosen, energy_max, starts)
         if number >= 2 and result.unseen < UNSEEN:
             break
     result[:] = [assess(rod) for rod in result]
@@ -222,7 +247,7 @@ def _mark(rod: Equilibrium) -> Array:
     from scipy.spatial.transform import Rotation
 
     frames = Rotation.from_quat(poses[:, 3:], scalar_first=True).as_matrix()
-    if not on_one_line(rod.clamping):
+    if not rod.clamping.on_one_line:
         return np.concatenate([poses[:, :3].ravel(), frames.ravel()])
     # what a turn about the common line leaves alone; the moments tell mirror images apart
     force, moment = rod.loads[:3], rod.loads[3:]

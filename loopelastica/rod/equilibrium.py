@@ -147,6 +147,16 @@ class Equilibrium:
         return net_winding(self.centerline(n), self.frames(n), turns=self.twist)
 
     @property
+    def turns(self) -> int:
+        """Whole turns of the net winding: the equilibria of a clamping are integers apart in it."""
+        return round(self.net_winding)
+
+    @property
+    def family(self) -> bool:
+        """Whether it stands for a circle of solutions: both ends on one line, the rod off it."""
+        return self.clamping.on_one_line and self.method != "straight"
+
+    @property
     def writhe(self) -> float:
         """Polar writhe of eq. 43, in turns: the net winding less the twist."""
         return self.net_winding - self.twist

@@ -10,9 +10,9 @@ neighbours apart at their seams. A KD-tree returns the nearest rods, whose loads
 the target's own angle. Other torsion ratios only spin the end frames (K30 never changes the
 center line of given loads), so each ratio has its own tree, built when it is first asked for.
 
-The rods are random: half from moderate loads (|F| < 60, |M| < 12), half from loads up to
-|F| = 1500 that reach the poses of nearly straight rods. They ship as single precision, being
-guesses. ``python -m loopelastica.rod.library`` writes the file anew.
+Half of the rods come from random moderate loads, half are the lowest equilibria of random poses, so
+that a pose nearby usually leads to its own lowest equilibrium. They ship in single precision, being
+guesses. ``python -m loopelastica.rod.library`` computes the file anew.
 """
 
 import functools
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 _WEIGHT = 0.5
 _FILE = "rods.npz"
 _SEED, _SIZE = 20180717, 40_000
+# |F| beyond which errors of the loads, growing like exp √F, spoil the end pose
+_SHOOTABLE = 250.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,39 +76,46 @@ def _points(positions: Array, rotations: Array, free_spin: bool) -> tuple[Array,
     return np.hstack([eta, _WEIGHT * turned.reshape(-1, 9)]), angles
 
 
-def draw_loads(size: int, seed: int) -> Array:
-    """Random loads (size, 6): the rods of the library before reduction."""
-    rng = np.random.default_rng(seed)
+def draw_loads(size: int, rng: np.random.Generator) -> Array:
+    """Random loads (size, 6): |F| below 60, |M| below 12, uniform, directions uniform."""
     directions = rng.normal(size=(2, size, 3))
     directions /= np.linalg.norm(directions, axis=2, keepdims=True)
-    half = size // 2
-    force = np.where(
-        np.arange(size) < half,
-        rng.uniform(0.0, 60.0, size),
-        np.exp(rng.uniform(np.log(3.0), np.log(1500.0), size)),
+    return np.hstack(
+        [
+            rng.uniform(0.0, 60.0, (size, 1)) * directions[0],
+            rng.uniform(0.0, 12.0, (size, 1)) * directions[1],
+        ]
     )
-    # M is worth about √F: the depth of a tail is 1/√F
-    moment = np.where(
-        np.arange(size) < half,
-        rng.uniform(0.0, 12.0, size),
-        rng.uniform(0.0, 2.2, size) * np.sqrt(np.maximum(force, 4.0)),
-    )
-    return np.hstack([force[:, None] * directions[0], moment[:, None] * directions[1]])
+
+
+def draw_lowest(size: int, free_spin: bool, rng: np.random.Generator) -> Array:
+    """Loads (about size, 6) of the lowest rods of random poses that can be shot from one end."""
+    from scipy.spatial.transform import Rotation
+
+    from loopelastica.rod.solve import solve_batch
+
+    directions = rng.normal(size=(size, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    positions = directions * 0.95 * rng.uniform(size=(size, 1)) ** (1.0 / 3.0)
+    rotations = Rotation.random(size, random_state=rng).as_matrix()
+    batch = solve_batch(positions, rotations, free_spin=free_spin, lowest=True)
+    keep = batch.converged & (np.linalg.norm(batch.loads[:, :3], axis=1) < _SHOOTABLE)
+    return np.asarray(batch.loads[keep])
 
 
 def write(path: Path, size: int = _SIZE, seed: int = _SEED) -> None:
-    """Compute the rods and write them: reduced loads and end poses at K30 = 1, with and without M3.
+    """Compute the rods and write them, K30 = 1, with and without end spin; takes some minutes.
 
     The arrays ``clamped`` and ``free`` (n, 13) hold loads, position and quaternion.
     """
     arrays = {}
     for name in ("clamped", "free"):
-        loads = draw_loads(size, seed)
+        rng = np.random.default_rng(seed)
+        drawn = draw_loads(size // 2, rng)
         if name == "free":
-            loads[:, 5] = 0.0
-        positions, quaternions = ends(loads, 1.0, 2.0)
-        keep = np.linalg.norm(positions, axis=1) < 0.9999
-        loads, positions, quaternions = loads[keep], positions[keep], quaternions[keep]
+            drawn[:, 5] = 0.0
+        loads = np.concatenate([drawn, draw_lowest(size - size // 2, name == "free", rng)])
+        positions, quaternions = ends(loads, 1.0, 3.0)
         arrays[name] = np.hstack([loads, positions, quaternions]).astype(np.float32)
     np.savez_compressed(path, clamped=arrays["clamped"], free=arrays["free"])
 

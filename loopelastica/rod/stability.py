@@ -15,19 +15,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from loopelastica.rod.clamping import Array, Clamping
+from loopelastica.rod.clamping import Array
 from loopelastica.rod.equilibrium import Equilibrium
 
 STIFF = 25.0
 _MESHES = (64, 128, 256, 512)
 # per unit length: below any mode that matters, above the error of a zero mode on these meshes
 _ZERO_MODE = 0.05
-
-
-def on_one_line(clamping: Clamping) -> bool:
-    """Whether both end tangents lie on the line through both ends (θ_R = 0, η1 = η2 = 0)."""
-    across = max(np.abs(clamping.position[:2]).max(), np.abs(clamping.rotation[:2, 2]).max())
-    return bool(across < 1e-9 and clamping.rotation[2, 2] > 0)
 
 
 def assess(rod: Equilibrium) -> Equilibrium:
@@ -91,7 +85,7 @@ def _inertia(rod: Equilibrium, root: float, n: int) -> int:
     frames: Array = np.empty((n + 2, 4))
     frames[0] = (1.0, 0.0, 0.0, 0.0)
     frames[1:] = rod.poses(np.append(0.5 * (s[1:] + s[:-1]), 1.0))[:, 3:]
-    shift = _ZERO_MODE if on_one_line(rod.clamping) else 0.0
+    shift = _ZERO_MODE if rod.clamping.on_one_line else 0.0
     return int(
         inertia(
             rod.loads, rod.clamping.position, rod.torsion_ratio, rod.clamping.free_spin,

@@ -176,3 +176,15 @@ def test_physical_parameters_and_net_winding_of_a_solution(rng):
         assert rod.writhe + rod.twist == pytest.approx(rod.net_winding)
     circle = le.solve(le.Clamping.from_parameters([0, 0, 1, 0.5, 0, 0]))
     assert circle.physical is None
+
+
+def test_turns_select_wound_rods_and_circles_are_labelled():
+    tense = le.Clamping.from_parameters([0.0, 0.0, 0.97, 0.3, 0.1, 0.2])
+    for turns in (0, 2, -3):
+        rods = le.equilibria(tense, turns=turns, rounds=1, energy_max=1e4)
+        assert rods
+        assert {rod.turns for rod in rods} == {turns}
+        # under tension one of them carries the turns as twist, others as loops
+        assert any(abs(rod.twist - turns) < 0.6 for rod in rods)
+    assert not rods[0].family
+    assert all(rod.family for rod in le.equilibria(le.Clamping([0, 0, 0.9], np.eye(3)), rounds=1))
