@@ -15,6 +15,8 @@ _PUBLIC = {
     "Equilibria": "rod.equilibria",
     "equilibria": "rod.equilibria",
     "PhysicalParameters": "rod.parameters",
+    "continue_clamping": "rod.continuation",
+    "twist_end": "rod.continuation",
     "solve": "rod.solve",
     "solve_batch": "rod.solve",
     "Batch": "rod.solve",
@@ -40,6 +42,8 @@ if TYPE_CHECKING:
     from loopelastica.molecule.hairpins import find_hairpins as find_hairpins
     from loopelastica.rank import Candidate as Candidate
     from loopelastica.rod.clamping import Clamping as Clamping
+    from loopelastica.rod.continuation import continue_clamping as continue_clamping
+    from loopelastica.rod.continuation import twist_end as twist_end
     from loopelastica.rod.equilibria import Equilibria as Equilibria
     from loopelastica.rod.equilibria import equilibria as equilibria
     from loopelastica.rod.equilibrium import Equilibrium as Equilibrium

@@ -287,5 +287,20 @@ def bench_paper(
     typer.echo(f"written to {out}")
 
 
+@bench.command("stability")
+def bench_stability(
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-bench/stability"
+    ),
+    full: Annotated[bool, typer.Option("--full", help="Large samples; some minutes.")] = False,
+    seed: Annotated[int, typer.Option(help="Seed of the random poses.")] = 2026,
+) -> None:
+    """Solve stiff, extreme and degenerate clampings; judge each result independently."""
+    from loopelastica.bench.stability import run
+
+    run(out, full=full, seed=seed, progress=True)
+    typer.echo(f"written to {out}")
+
+
 if __name__ == "__main__":
     app()

@@ -29,6 +29,8 @@ from loopelastica.rod._shooting import POSE, WITH_JACOBIAN, march
 
 _MAX_SEGMENT_STEPS = 60
 _CAP = 0.4
+# mismatch on the check mesh below which another Newton step gains nothing
+_SETTLED = 1e-10
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -312,7 +314,9 @@ def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, ite
             density = 3.0
             best = math.inf
         elif fine and worst < 1e-7:
-            # quadratic: what is left is below rounding
-            break
-    residual = gaps(g, free_spin, node_s, node_pose, 4.6, f, y, k, z)
-    return residual, iteration + 1
+            # where convergence is quadratic, what is left is rounding; along a soft direction it
+            # is not, and the loop goes on
+            residual = gaps(g, free_spin, node_s, node_pose, 4.6, f, y, k, z)
+            if residual < _SETTLED:
+                return residual, iteration + 1
+    return gaps(g, free_spin, node_s, node_pose, 4.6, f, y, k, z), iteration + 1

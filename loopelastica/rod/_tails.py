@@ -357,6 +357,8 @@ def tail_loads(tail, f):
     for c in range(3):
         f[c] = root * root * m[c, 2]
         f[3 + c] = mx * m[c, 0] + my * m[c, 1] + m3 * m[c, 2]
+    # M·d3(0) is M3; the sum above would lose its digits to the bending moments' size √F
+    f[5] = m3
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
