@@ -28,7 +28,9 @@ itself) → `stability`. Beneath them, compiled:
   `_relaxation` (the discrete rod of least energy) and `_segments` (multiple shooting);
 - `_conjugate`: the second variation.
 
-The closed form of the paper and its method: `parameters` (p, `_closed_form`, `_elliptic`), `writhe`
-(eq. 43), `grid` and `paper` with their kernels `_grid`, `_paper_*` and `_bulirsch_stoer`: the
-reference that benchmarks compare with.
+Paths along a moving clamping: `continuation`, whose steps are in `_branch` and `_arclength`.
+
+The closed form of the paper and its method: `parameters` (p, `_closed_form`, `_cubic`,
+`_elliptic`), `writhe` (eq. 43), `grid` and `paper` with their kernels `_grid`, `_paper_*` and
+`_bulirsch_stoer`: the reference that benchmarks compare with.
 """

@@ -10,7 +10,8 @@ import math
 import numpy as np
 from numba import njit
 
-from loopelastica.rod._closed_form import a_min, constants, landau_pose, period
+from loopelastica.rod._closed_form import constants, landau_pose, period
+from loopelastica.rod._cubic import a_min
 from loopelastica.rod._paper_errors import TURN, physical_pose, reduced_parameters, seen_from
 from loopelastica.rod._shooting import POSE
 

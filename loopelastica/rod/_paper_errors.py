@@ -21,7 +21,8 @@ import numpy as np
 from numba import njit
 
 from loopelastica.rod import _bulirsch_stoer
-from loopelastica.rod._closed_form import a_min, constants, euler_angles, landau_pose
+from loopelastica.rod._closed_form import constants, euler_angles, landau_pose
+from loopelastica.rod._cubic import a_min
 from loopelastica.rod._elliptic import incomplete
 from loopelastica.rod._rotations import quaternion_from_matrix
 from loopelastica.rod._shooting import POSE, WITH_JACOBIAN, moment_bound, shoot, step_count

@@ -50,9 +50,9 @@ def a_min(lam: float, t_p: float) -> float:
     >>> print(f"{a_min(0.0, 0.0):.6f} {a_min(0.5, -0.3):.6f}")
     -2.000000 -1.681675
     """
-    from loopelastica.rod import _closed_form
+    from loopelastica.rod import _cubic
 
-    return float(_closed_form.a_min(float(lam), float(t_p)))
+    return float(_cubic.a_min(float(lam), float(t_p)))
 
 
 def _arc_lengths(n: int | ArrayLike) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from loopelastica.rod import _closed_form
+from loopelastica.rod import _closed_form, _cubic
 
 ORDER = 24
 
@@ -112,7 +112,7 @@ def random_parameters(rng, lam=None, t_p=None, excess=None):
     t_p = rng.uniform(-10, 10) * rng.choice([1.0, 0.2]) if t_p is None else t_p
     if excess is None:
         excess = rng.uniform(0, 100) if rng.random() < 0.5 else 10 ** rng.uniform(-3, 2)
-    a = _closed_form.a_min(lam, t_p) + excess
+    a = _cubic.a_min(lam, t_p) + excess
     period = _closed_form.period(lam, t_p, a)
     if not math.isfinite(period):
         period = 5.0
@@ -161,7 +161,7 @@ def test_the_homoclinic_rod_itself_and_its_neighbors_are_continuous():
         assert error(p) < 1e-11
         line, frames = _closed_form.rod_along(*p, 1.0, np.linspace(0, 1, 9))
         for da, dt in ((1e-9, 0.0), (-1e-9, 0.0), (1e-9, 1e-9), (0.0, -1e-9)):
-            q = (lam, lam + dt, max(2.0 + da, _closed_form.a_min(lam, lam + dt)), *p[3:])
+            q = (lam, lam + dt, max(2.0 + da, _cubic.a_min(lam, lam + dt)), *p[3:])
             near_line, near_frames = _closed_form.rod_along(*q, 1.0, np.linspace(0, 1, 9))
             assert np.abs(near_line - line).max() < 2e-6
             assert np.abs(near_frames - frames).max() < 2e-6
@@ -183,7 +183,7 @@ def test_ends_where_the_distance_to_the_axis_vanishes():
         lam = rng.uniform(-3, 3)
         a = rng.uniform(3, 20)
         p = (lam, 0.5 * lam * a, a, 0.3, rng.uniform(0, 1), rng.uniform(0.5, 6.0))
-        if a > _closed_form.a_min(p[0], p[1]) + 1e-3:
+        if a > _cubic.a_min(p[0], p[1]) + 1e-3:
             assert error(p) < 1e-10
 
 
@@ -222,10 +222,10 @@ def test_roots_keep_their_digits_next_to_every_double_root():
             lam, t_p, a = lam * 0.6, lam * 0.6 + gap * rng.normal(), 2.0 + gap
         elif kind == 1:
             t_p = rng.uniform(-3, 3)
-            a = _closed_form.a_min(lam, t_p) + gap
+            a = _cubic.a_min(lam, t_p) + gap
         else:
             t_p, a = -lam + gap, -2.0 + 4 * gap**0.5
-        if a <= _closed_form.a_min(lam, t_p):
+        if a <= _cubic.a_min(lam, t_p):
             continue
         z1, z2, z3 = exact_roots(lam, t_p, a)
         with mpmath.workdps(60):
@@ -233,7 +233,7 @@ def test_roots_keep_their_digits_next_to_every_double_root():
                 1 + z1, 1 + z3, z1 - 1, 1 - z2, a - 2 * z1, a - 2 * z2, a - 2 * z3, z1 - z2,
                 z1 - z3, z2 - z3,
             )  # fmt: skip
-            found = _closed_form.roots(lam, t_p, a)
+            found = _cubic.roots(lam, t_p, a)
             for value, reference in zip(found, exact, strict=True):
                 assert abs(value - reference) <= 1e-13 * abs(reference) + 1e-26
 
@@ -247,18 +247,18 @@ def test_least_a_is_where_the_two_largest_roots_meet():
         with mpmath.workdps(40):
             z = np.linspace(-1, 1, 20001)[1:-1]
             h = 2 * z + (t_p - lam * z) ** 2 / (1 - z * z)
-        least = _closed_form.a_min(lam, t_p)
+        least = _cubic.a_min(lam, t_p)
         assert least <= h.min() + 1e-12
         assert least > h.min() - 2e-3 * (1 + abs(lam))
-        above = _closed_form.roots(lam, t_p, least + 1e-3)
+        above = _cubic.roots(lam, t_p, least + 1e-3)
         assert above[9] > 0.0
-        assert _closed_form.roots(lam, t_p, least)[9] < 1e-5 * (1 + abs(lam))
+        assert _cubic.roots(lam, t_p, least)[9] < 1e-5 * (1 + abs(lam))
 
 
 @pytest.mark.parametrize(("lam", "t_p", "sign"), [(3.0, 3.0, 1), (2.0, 2.0, 1), (1.0, -1.0, -1),
                                                   (0.0, 0.0, -1)])  # fmt: skip
 def test_straight_rods_are_helices_of_radius_zero(lam, t_p, sign):
-    a = _closed_form.a_min(lam, t_p)
+    a = _cubic.a_min(lam, t_p)
     assert a == 2.0 * sign
     line, frames = _closed_form.rod_along(lam, t_p, a, 0.4, 0.0, 2.0, 1.0, np.array([0.5, 1.0]))
     assert np.allclose(line, [[0, 0, 0.5], [0, 0, 1]], atol=1e-15)

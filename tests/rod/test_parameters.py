@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from loopelastica.rod import _closed_form, _elliptic, parameters
+from loopelastica.rod import _closed_form, _cubic, _elliptic, parameters
 from loopelastica.rod.parameters import PhysicalParameters, a_min, forceless
 
 FIG_6 = [
@@ -287,7 +287,7 @@ def test_solutions_of_figure_7(rank):
 def test_doctests_of_the_kernels_and_of_this_module():
     assert doctest.testmod(parameters, extraglobs={"np": np}).failed == 0
     runner, finder = doctest.DocTestRunner(), doctest.DocTestFinder()
-    for module in (_closed_form, _elliptic):
+    for module in (_closed_form, _cubic, _elliptic):
         for name, kernel in vars(module).items():
             if getattr(kernel, "__module__", None) == module.__name__:
                 for test in finder.find(getattr(kernel, "py_func", kernel), name,
