@@ -244,7 +244,7 @@ def corrected_step(
 
     Returns
     -------
-    residual, iterations
+    residual, energy, iterations
         The mismatch on another mesh, infinite if there is no convergence; Newton steps made.
     """
     m = node_s.shape[0] - 1
@@ -259,7 +259,7 @@ def corrected_step(
             g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k, z, t, b
         )
         if not worst < 10.0:
-            return math.inf, iteration
+            return math.inf, math.inf, iteration
         end = node_pose[m, 3:]
         _border(work, end, rate, quaternion, shift, axis, scale, row, remainder, g, phase, a, w)
         _bordered(a, order, du, direction)
@@ -272,7 +272,7 @@ def corrected_step(
             for c in range(6):
                 size = max(size, abs(x[i, c]))
         if not size < _FURTHEST:
-            return math.inf, iteration
+            return math.inf, math.inf, iteration
         for c in range(7):
             du[c] *= scale[c]
         g[6] += du[6]
@@ -287,10 +287,11 @@ def corrected_step(
         if worst < 1e-3 and iteration > 0:
             density = _FINE
     if not done:
-        return math.inf, most
+        return math.inf, math.inf, most
     total = 0.0
     for c in range(7):
         total += direction[c] * direction[c]
     for c in range(7):
         direction[c] /= math.sqrt(total)
-    return gaps(g, free_spin, node_s, node_pose, _CHECK, f, y, k, z), iteration + 1
+    residual, energy = gaps(g, torsion_ratio, free_spin, node_s, node_pose, _CHECK, f, y, k, z)
+    return residual, energy, iteration + 1

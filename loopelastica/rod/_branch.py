@@ -71,6 +71,7 @@ class Point:
     node_pose: Array
     tangent: Array
     residual: float = math.inf
+    energy: float = math.inf
     iterations: int = 0
 
     @property
@@ -175,14 +176,14 @@ def remeshed(road: Road, point: Point) -> Point | None:
 def _corrected(road: Road, point: Point, row: Array, ds: float, phase: bool) -> Point | None:
     scale = road.scale(point.values)
     values, node_pose, direction = point.values.copy(), point.node_pose.copy(), np.empty(7)
-    residual, iterations = corrected_step(
+    residual, energy, iterations = corrected_step(
         road.start.position, quaternion(road.start), road.shift, road.axis, road.torsion_ratio,
         road.start.free_spin, point.node_s, node_pose, values, scale, row, ds, _ITERATIONS,
         phase, direction,
     )  # fmt: skip
     if not residual < TOLERANCE:
         return None
-    return Point(values, point.node_s, node_pose, direction * scale, residual, iterations)
+    return Point(values, point.node_s, node_pose, direction * scale, residual, energy, iterations)
 
 
 def step_along(road: Road, point: Point, ds: float) -> Point | None:
@@ -258,14 +259,11 @@ def where(
 
 def equilibrium_of(road: Road, point: Point) -> Equilibrium:
     """The rod of a point."""
-    from loopelastica.rod._newton import elastic_energy
-
     clamping = road.clamping(point.t)
     loads = point.values[:6].copy()
     if road.start.free_spin:
         loads[5] = 0.0
-    energy = float(elastic_energy(loads, clamping.position, road.torsion_ratio))
     return Equilibrium(
-        clamping, road.torsion_ratio, loads, energy, point.residual, Status.CONVERGED,
+        clamping, road.torsion_ratio, loads, point.energy, point.residual, Status.CONVERGED,
         METHODS[3], point.node_s, point.node_pose,
     )  # fmt: skip

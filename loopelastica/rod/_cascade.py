@@ -18,7 +18,6 @@ import math
 import numpy as np
 from numba import njit
 
-from loopelastica.rod._newton import elastic_energy
 from loopelastica.rod._relaxation import (
     SEGMENTS,
     bow,
@@ -113,11 +112,11 @@ def _accept_nodes(
     """
     s, pose = node_s[: m + 1], node_pose[: m + 1]
     first_pose, first_loads = pose.copy(), loads.copy()
-    residual, _ = polish(quaternion, torsion_ratio, free_spin, s, pose, loads, _DROP, 14)
+    residual, energy, _ = polish(quaternion, torsion_ratio, free_spin, s, pose, loads, _DROP, 14)
     if not residual < tolerance and _near_one_line(position, quaternion):
         pose[:, :] = first_pose
         loads[:] = first_loads
-        residual, _ = polish(quaternion, torsion_ratio, free_spin, s, pose, loads, 1e-4, 30)
+        residual, energy, _ = polish(quaternion, torsion_ratio, free_spin, s, pose, loads, 1e-4, 30)
         first_pose[:, :] = pose
         first_loads[:] = loads
         for i in range(_DIRECTIONS):
@@ -126,12 +125,14 @@ def _accept_nodes(
             pose[:, :] = first_pose
             loads[:] = first_loads
             _turn_about_start(pose, loads, 2.0 * math.pi * i / _DIRECTIONS)
-            residual, _ = polish(quaternion, torsion_ratio, free_spin, s, pose, loads, _DROP, 25)
+            residual, energy, _ = polish(
+                quaternion, torsion_ratio, free_spin, s, pose, loads, _DROP, 25
+            )
     if free_spin:
         loads[5] = 0.0
     if not residual < tolerance:
         return math.inf, math.inf
-    return residual, elastic_energy(loads, position, torsion_ratio)
+    return residual, energy
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

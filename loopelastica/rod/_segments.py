@@ -76,18 +76,29 @@ def _integrate(g, free_spin, node, h, density, size, f, y, k, z):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def gaps(g, free_spin, node_s, node_pose, density, f, y, k, z):
-    """Largest mismatch (position, rotation vector) between segments' ends and next nodes."""
-    worst = 0.0
+def gaps(g, torsion_ratio, free_spin, node_s, node_pose, density, f, y, k, z):
+    """Largest mismatch (position, rotation vector) between segments' ends and next nodes.
+
+    Also returns the energy, from h − F·Δr of each segment: with the clamps' distance in place of
+    the sum of Δr the mismatch, times F, would be an error of an energy that may be tiny.
+    """
+    m3 = 0.0 if free_spin else g[5]
+    worst, energy = 0.0, 0.5 * m3 * m3 * (1.0 / torsion_ratio - 1.0)
     for i in range(node_s.shape[0] - 1):
         h = node_s[i + 1] - node_s[i]
         if _integrate(g, free_spin, node_pose[i], h, density, POSE, f, y, k, z) > 4000:
-            return math.inf
+            return math.inf, math.inf
         a, b, c = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
         worst = max(worst, abs(a), abs(b), abs(c))
         for j in range(3):
             worst = max(worst, abs(node_pose[i, j] + y[j] - node_pose[i + 1, j]))
-    return worst if worst == worst else math.inf
+        tx, ty, tz = tangent(node_pose[i, 3:])
+        energy += 0.5 * h * (f[3] * f[3] + f[4] * f[4] + f[5] * f[5])
+        # h t(0) − Δr is small where the segment is nearly straight
+        energy += g[0] * (h * tx - y[0]) + g[1] * (h * ty - y[1]) + g[2] * (h * tz - y[2])
+    if worst == worst:
+        return worst, energy
+    return math.inf, math.inf
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -258,8 +269,8 @@ def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, ite
 
     ``node_pose`` (m + 1, 7) starts at the identity and ends at the clamp's position; ``g`` (6,) is
     F and M0, its last entry being the end's free turn if ``free_spin``. Load directions with pivots
-    below ``drop`` stay put. Returns (residual, iterations): the mismatch by a mesh with other
-    steps, infinite if there is no convergence in ``iterations``.
+    below ``drop`` stay put. Returns (residual, energy, iterations): the mismatch by a
+    mesh with other steps, infinite if there is no convergence in ``iterations``.
     """
     m = node_s.shape[0] - 1
     work, kept = np.zeros((12, 19)), np.empty((m, 6, 19))
@@ -284,7 +295,7 @@ def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, ite
             drop, work, kept, f, y, k, z, x, dg,
         )  # fmt: skip
         if worst == math.inf or worst > 1e3:
-            return math.inf, iteration
+            return math.inf, math.inf, iteration
         size = 0.0
         for i in range(m + 1):
             for c in range(6):
@@ -296,7 +307,7 @@ def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, ite
         )
         size = max(size, change)
         if not size < 1e6:
-            return math.inf, iteration
+            return math.inf, math.inf, iteration
         fine = density > 2.0
         if fine and (worst < 1e-13 or (worst < 1e-10 and worst > 0.1 * previous)):
             break
@@ -309,14 +320,15 @@ def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, ite
         else:
             stalled += 1
             if stalled > iterations // 4:
-                return math.inf, iteration
+                return math.inf, math.inf, iteration
         if not fine and worst < 1e-4:
             density = 3.0
             best = math.inf
         elif fine and worst < 1e-7:
             # where convergence is quadratic, what is left is rounding; along a soft direction it
             # is not, and the loop goes on
-            residual = gaps(g, free_spin, node_s, node_pose, 4.6, f, y, k, z)
+            residual, energy = gaps(g, torsion_ratio, free_spin, node_s, node_pose, 4.6, f, y, k, z)
             if residual < _SETTLED:
-                return residual, iteration + 1
-    return gaps(g, free_spin, node_s, node_pose, 4.6, f, y, k, z), iteration + 1
+                return residual, energy, iteration + 1
+    residual, energy = gaps(g, torsion_ratio, free_spin, node_s, node_pose, 4.6, f, y, k, z)
+    return residual, energy, iteration + 1

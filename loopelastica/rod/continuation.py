@@ -12,7 +12,8 @@ tangent within 20° of the one before. Its length is measured in loads divided b
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,7 +37,8 @@ from loopelastica.rod._branch import (
     where,
 )
 from loopelastica.rod.clamping import Array, Clamping, read_only
-from loopelastica.rod.equilibrium import MESSAGES, Equilibrium, Status
+from loopelastica.rod.equilibrium import MESSAGES, METHODS, Equilibrium, Status
+from loopelastica.rod.solve import from_standard_starts
 from loopelastica.rod.stability import morse_index
 
 # Newton steps of an accepted step that make the next one longer or shorter
@@ -45,6 +47,8 @@ _GROW, _SHRINK = 1.5, 0.4
 _FIRST_STEP, _LEAST_STEP = 0.05, 1e-6
 # a change of pose (L, radian) that one step of Newton's method is tried on
 _SMALL = 0.2
+# how far, and where to, the clamping is moved for a detour
+_DETOURS = tuple((size, seed) for seed in range(3) for size in (0.1, 0.3, 0.2, 0.03))
 # √F below which tails hand over to nodes again
 _SLACK = 100.0
 
@@ -219,6 +223,38 @@ def twist_end(
         return refusal
     walk = _Walk(road, abs(float(turns)), stability)
     return walk.given(rod) if turns == 0 else walk.follow(rod, steps, max_step)
+
+
+def detours(clamping: Clamping, torsion_ratio: float) -> Iterator[Equilibrium]:
+    """Equilibria of a clamping reached from others nearby.
+
+    Where solutions lie on a circle, or nearly, Newton's method has a direction in which it does
+    not know where to stop. A clamping a few degrees away has isolated solutions, and along the way
+    back the path stays on one of them.
+
+    Parameters
+    ----------
+    clamping : Clamping
+        The goal, with its ends less than the rod's length apart.
+    torsion_ratio : float
+        K30.
+
+    Yields
+    ------
+    Equilibrium
+        Verified as any other. The displacements are fixed, so two runs agree.
+    """
+    from scipy.spatial.transform import Rotation
+
+    for size, seed in _DETOURS:
+        rng = np.random.default_rng(seed)
+        turn = Rotation.from_rotvec(size * rng.normal(size=3)).as_matrix()
+        shifted = (1.0 - 0.3 * size) * clamping.position + 0.1 * size * rng.normal(size=3)
+        near = Clamping(shifted, clamping.rotation @ turn, clamping.free_spin)
+        rod = from_standard_starts(near, torsion_ratio)
+        path = continue_clamping(rod, clamping, steps=200, stability=False)
+        if path.end is not None:
+            yield replace(path.end, method=METHODS[6])
 
 
 def _refused(rod: Equilibrium, clamping: Clamping) -> Path | None:

@@ -25,6 +25,7 @@ from loopelastica.rod.solve import (
     from_record,
     new_record,
     quaternion,
+    solve,
     straight,
 )
 from loopelastica.rod.stability import assess
@@ -183,6 +184,8 @@ def equilibria(
             _merge(found, _from_guess(clamping, torsion_ratio, guess))
         used += count
         starts += len(structured) + count
+        if not found:
+            _merge(found, solve(clamping, torsion_ratio, lowest=False))
         chosen = [f for f in found if turns is None or f.rod.turns == turns]
         result = _result(chosen, energy_max, starts)
         if number >= 2 and result.unseen < UNSEEN:
@@ -212,13 +215,13 @@ def _from_guess(clamping: Clamping, torsion_ratio: float, guess: Array) -> Equil
     from loopelastica.rod._newton import elastic_energy, newton
 
     loads = guess.copy()
-    status, residual, _, _ = newton(
+    status, residual, _, end = newton(
         loads, clamping.position, quaternion(clamping),
         torsion_ratio, clamping.free_spin, TOLERANCE,
     )  # fmt: skip
     if status != Status.CONVERGED:
         return Equilibrium(clamping, torsion_ratio, loads, math.inf, math.inf, Status(status))
-    energy = elastic_energy(loads, clamping.position, torsion_ratio)
+    energy = elastic_energy(loads, end[:3], torsion_ratio)
     return Equilibrium(clamping, torsion_ratio, loads, energy, residual, Status.CONVERGED)
 
 

@@ -26,7 +26,7 @@ _WINDING_POINTS = 401
 _DENSITY = 4.0
 
 
-# names of the codes in `_cascade`
+# names of the codes in `_cascade`, and of what `continuation` adds
 METHODS = (
     "none",
     "shooting from a stored rod",
@@ -34,6 +34,7 @@ METHODS = (
     "tails + multiple shooting",
     "discrete rod + multiple shooting",
     "discrete rod + tails",
+    "continuation from a near clamping",
 )
 
 

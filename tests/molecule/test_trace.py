@@ -30,7 +30,7 @@ def test_a_straight_rod_follows_the_start_tangent(koc):
 
 def test_components_are_taken_along_the_columns_of_the_frame():
     rng = np.random.default_rng(0)
-    frame, origin = Rotation.random(rng=rng).as_matrix(), rng.normal(size=3)
+    frame, origin = Rotation.from_quat(rng.normal(size=4)).as_matrix(), rng.normal(size=3)
     line = rng.normal(size=(5, 3))
     expected = [
         origin + 7.0 * (x * frame[:, 0] + y * frame[:, 1] + z * frame[:, 2]) for x, y, z in line

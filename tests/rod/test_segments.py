@@ -55,8 +55,9 @@ def test_a_disturbed_solution_is_polished_back(rng, free_spin):
         if free_spin:
             g[5] = 0.0
             end = nodes[-1, 3:].copy()
-        residual, iterations = polish(end, 0.7, free_spin, s, nodes, g, 1e-12, 14)
+        residual, energy, iterations = polish(end, 0.7, free_spin, s, nodes, g, 1e-12, 14)
         assert residual < 1e-10
         assert iterations <= 6
+        assert energy == pytest.approx(rod.energy, rel=1e-9)
         np.testing.assert_allclose(g[:5], rod.loads[:5], rtol=1e-5, atol=1e-5)
-        assert gaps(g, free_spin, s, nodes, 9.0, f, y, k, z) < 1e-10
+        assert gaps(g, 0.7, free_spin, s, nodes, 9.0, f, y, k, z)[0] < 1e-10
