@@ -28,14 +28,11 @@ import numpy as np
 from numba import njit
 
 from loopelastica.rod._dop853 import STAGES as _STAGES
-from loopelastica.rod._dop853 import A, B
+from loopelastica.rod._dop853 import STRIDE, stage
 from loopelastica.rod._rotations import spin, tangent
 
 POSE = 7
-WITH_JACOBIAN = 43
-
-_A = A.ravel()
-_B = B.copy()
+WITH_JACOBIAN = STRIDE
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -91,25 +88,6 @@ def slope(f, y, k, o, size):
     k[o + 24] += 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _combine(y, z, k, weights, w, stages, h, size):
-    """Z = y + h Σ weights_j k_j; constant bounds let the compiler unroll the inner loops."""
-    for c in range(POSE):
-        z[c] = y[c]
-    if size == WITH_JACOBIAN:
-        for c in range(POSE, WITH_JACOBIAN):
-            z[c] = y[c]
-    for j in range(stages):
-        a = h * weights[w + j]
-        if a != 0.0:
-            o = j * WITH_JACOBIAN
-            for c in range(POSE):
-                z[c] += a * k[o + c]
-            if size == WITH_JACOBIAN:
-                for c in range(POSE, WITH_JACOBIAN):
-                    z[c] += a * k[o + c]
-
-
 @njit(cache=True, nogil=True, error_model="numpy")
 def march(f, y, length, n, size, k, z):
     """Carry the state ``y`` over ``length`` in ``n`` equal steps, in place.
@@ -120,9 +98,9 @@ def march(f, y, length, n, size, k, z):
     for _ in range(n):
         slope(f, y, k, 0, size)
         for i in range(1, _STAGES):
-            _combine(y, z, k, _A, i * _STAGES, i, h, size)
+            stage(y, z, k, i, h, size)
             slope(f, z, k, i * WITH_JACOBIAN, size)
-        _combine(y, y, k, _B, 0, _STAGES, h, size)
+        stage(y, y, k, _STAGES, h, size)
         norm = 1.0 / math.sqrt(y[3] * y[3] + y[4] * y[4] + y[5] * y[5] + y[6] * y[6])
         for c in range(3, POSE):
             y[c] *= norm

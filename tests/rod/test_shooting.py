@@ -119,5 +119,6 @@ def test_the_table_of_the_method_is_scipys():
 
     from loopelastica.rod import _dop853
 
-    np.testing.assert_array_equal(_dop853.A, DOP853.A[:12, :12])
+    for i in range(12):
+        np.testing.assert_array_equal(_dop853.A[i], DOP853.A[i, :i])
     np.testing.assert_array_equal(_dop853.B, DOP853.B)
