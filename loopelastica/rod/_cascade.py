@@ -226,30 +226,6 @@ def _tails_from_loads(loads, position, quaternion, gap, torsion_ratio, free_spin
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _try_tails(
-    position, quaternion, gap, torsion_ratio, free_spin, start, tolerance,
-    loads, node_s, node_pose, tail,
-):  # fmt: skip
-    """The closed form and what it seeds, from one start, see `run_starts`."""
-    if not solve_tails(
-        position, quaternion, gap, torsion_ratio, free_spin, start[0], start[1] != 0.0,
-        start[2] != 0.0, tail,
-    ):  # fmt: skip
-        return NONE, math.inf, math.inf, 0
-    residual, energy = _accept_tails(tail, quaternion, torsion_ratio, free_spin, tolerance, loads)
-    if residual < tolerance:
-        return TAILS, residual, energy, 0
-    if math.cos(tail[5]) * tail[4] > _TENSE:
-        residual, energy, m = _from_tails(
-            tail, position, quaternion, torsion_ratio, free_spin, tolerance,
-            loads, node_s, node_pose,
-        )  # fmt: skip
-        if residual < tolerance:
-            return TAILS_POLISHED, residual, energy, m
-    return NONE, math.inf, math.inf, 0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def _relax_start(position, quaternion, gap, ratio, free_spin, start, n, s, frames, load):
     """The discrete rod of one start: its energy, or inf; ``load`` (6,) is F and M at s = 0."""
     force, moment = np.empty(3), np.empty(3)
@@ -334,11 +310,14 @@ def _finish(
 def _worthwhile(start, position, quaternion, gap, free_spin):
     """Whether a start can lead to the lowest rod of a nearly straight clamping.
 
-    There the energy is that of the tails plus K30 (twist + 2πn)²/2, least for the twist within
-    half a turn; a tail over the other side pays only where the tangent nearly opposes the chord.
+    There a kick is in vain, and the energy is that of the tails plus K30 (twist + 2πn)²/2, least
+    for the twist within half a turn; a tail over the other side pays only where the tangent nearly
+    opposes the chord.
     """
     if gap > _STRAIGHTISH:
         return True
+    if start[3] != 0.0:
+        return False
     length = 1.0 - gap
     ex, ey, ez = position[0] / length, position[1] / length, position[2] / length
     tx, ty, tz = tangent(quaternion)
@@ -354,27 +333,113 @@ def _worthwhile(start, position, quaternion, gap, free_spin):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _begin(
+    position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, start, n, s, frames, load,
+    tail,
+):  # fmt: skip
+    """Half way from a start: (TAILS or RELAXED or NONE, its energy to about a hundredth).
+
+    ``load`` becomes F and M0 of two tails, or of the discrete rod.
+    """
+    tense = start[3] == 0.0 and solve_tails(
+        position, quaternion, gap, torsion_ratio, free_spin, start[0], start[1] != 0.0,
+        start[2] != 0.0, tail,
+    )  # fmt: skip
+    if tense and (tails_apart(tail) or math.cos(tail[5]) * tail[4] > _TENSE):
+        tail_loads(tail, load)
+        return TAILS, tail_energy(tail, torsion_ratio)
+    energy = _relax_start(
+        position, quaternion, gap, relaxed_ratio, free_spin, start, n, s, frames, load
+    )
+    return (RELAXED if energy < math.inf else NONE), energy
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _end(
+    kind, position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, start, n, s, frames,
+    load, start_tail, tolerance, loads, node_s, node_pose, tail,
+):  # fmt: skip
+    """The other half, to a solution (method, residual, energy, segments), see `run_starts`."""
+    if kind == TAILS:
+        tail[:] = start_tail
+        residual, energy = _accept_tails(
+            tail, quaternion, torsion_ratio, free_spin, tolerance, loads
+        )
+        if residual < tolerance:
+            return TAILS, residual, energy, 0
+        if math.cos(tail[5]) * tail[4] > _TENSE:
+            residual, energy, m = _from_tails(
+                tail, position, quaternion, torsion_ratio, free_spin, tolerance,
+                loads, node_s, node_pose,
+            )  # fmt: skip
+            if residual < tolerance:
+                return TAILS_POLISHED, residual, energy, m
+        if (
+            not _relax_start(
+                position, quaternion, gap, relaxed_ratio, free_spin, start, n, s, frames, load
+            )
+            < math.inf
+        ):
+            return NONE, math.inf, math.inf, 0
+    return _finish(
+        position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, n, s, frames, load,
+        tolerance, loads, node_s, node_pose, tail,
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def run_start(
+    position, quaternion, torsion_ratio, free_spin, start, tolerance,
+    loads, node_s, node_pose, tail,
+):  # fmt: skip
+    """One start (turns, side 0, side 1, kick) to its own solution, with no other try.
+
+    A negative kick leaves out the relaxation; −k with k > 1 adds k half waves.
+    """
+    gap, ratio, n = _gap(position), min(torsion_ratio, _MAX_RATIO), SEGMENTS
+    s, frames, load, start_tail = np.empty(n + 1), np.empty((n + 2, 4)), np.empty(6), np.zeros(SIZE)
+    kind, _ = _begin(
+        position, quaternion, gap, torsion_ratio, ratio, free_spin, start, n, s, frames, load,
+        start_tail,
+    )  # fmt: skip
+    if kind == NONE:
+        return NONE, math.inf, math.inf, 0
+    return _end(
+        kind, position, quaternion, gap, torsion_ratio, ratio, free_spin, start, n, s, frames, load,
+        start_tail, tolerance, loads, node_s, node_pose, tail,
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _gap(position):
+    """1 − |r|."""
+    squares = position[0] ** 2 + position[1] ** 2 + position[2] ** 2
+    return (1.0 - squares) / (1.0 + math.sqrt(squares))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def run_starts(
     position, quaternion, torsion_ratio, free_spin, starts, lowest, tolerance,
     loads, node_s, node_pose, tail,
 ):  # fmt: skip
     """Run starts (n, 4: turns, side 0, side 1, kick) and keep the first or the lowest solution.
 
-    For the lowest, all discrete rods are relaxed first and polished in the order of their
-    energies, down to where none of those left can be lower. A last round of kicked starts follows
-    where nothing has led to a solution.
+    For the lowest, all starts go half way first and are finished in the order of their energies,
+    down to where none of those left can be lower. A last round of kicked starts follows where
+    nothing has led to a solution.
 
     Returns (method, residual, energy, segments). With 0 segments the solution is ``tail`` (20,),
     else the first segments + 1 of ``node_s`` (65,) and ``node_pose`` (65, 7); ``loads`` (6,) are
     written in either case.
     """
-    squares = position[0] ** 2 + position[1] ** 2 + position[2] ** 2
-    gap = (1.0 - squares) / (1.0 + math.sqrt(squares))
+    gap = _gap(position)
     n = SEGMENTS // 2 if gap > _SLACK else SEGMENTS
     count = starts.shape[0]
     scratch = (np.empty(6), np.empty(NODES), np.empty((NODES, 7)), np.zeros(SIZE))
     s, frames = np.empty((count, n + 1)), np.empty((count, n + 2, 4))
     load, energies = np.empty((count, 6)), np.full(count, math.inf)
+    tails, kinds = np.zeros((count, SIZE)), np.zeros(count, np.int64)
+    ended = np.zeros(count, np.bool_)
     best = (NONE, math.inf, math.inf, 0)
     # a large ratio makes the energy a narrow valley; the rod depends on 1/K30 only, and the polish
     # goes the rest of the way
@@ -382,39 +447,36 @@ def run_starts(
     for i in range(count):
         if not _worthwhile(starts[i], position, quaternion, gap, free_spin):
             continue
-        if starts[i, 3] == 0.0:
-            result = _try_tails(
-                position, quaternion, gap, torsion_ratio, free_spin, starts[i], tolerance, *scratch
-            )
-            best = _keep(result, best, scratch, loads, node_s, node_pose, tail)
-            if result[0] != NONE:
-                if lowest:
-                    continue
-                return best
-        energies[i] = _relax_start(
-            position, quaternion, gap, ratio, free_spin, starts[i], n, s[i], frames[i], load[i]
-        )
-        if lowest or energies[i] == math.inf:
+        kinds[i], energies[i] = _begin(
+            position, quaternion, gap, torsion_ratio, ratio, free_spin, starts[i], n, s[i],
+            frames[i], load[i], tails[i],
+        )  # fmt: skip
+        if lowest or kinds[i] == NONE:
             continue
-        result = _finish(
-            position, quaternion, gap, torsion_ratio, ratio, free_spin, n, s[i], frames[i],
-            load[i], tolerance, *scratch,
+        result = _end(
+            kinds[i], position, quaternion, gap, torsion_ratio, ratio, free_spin, starts[i], n,
+            s[i], frames[i], load[i], tails[i], tolerance, *scratch,
         )  # fmt: skip
         best = _keep(result, best, scratch, loads, node_s, node_pose, tail)
         if best[0] != NONE:
             return best
-    if lowest:
-        for i in np.argsort(energies):
-            # hinge energies are off by about a hundredth
-            if energies[i] > best[2] * (1.0 + _MARGIN) + _MARGIN:
-                break
-            if _seen(load, energies, i):
-                continue
-            result = _finish(
-                position, quaternion, gap, torsion_ratio, ratio, free_spin, n, s[i], frames[i],
-                load[i], tolerance, *scratch,
-            )  # fmt: skip
-            best = _keep(result, best, scratch, loads, node_s, node_pose, tail)
+    while lowest:
+        i = 0
+        for j in range(1, count):
+            if energies[j] < energies[i]:
+                i = j
+        # they are off by about a hundredth
+        if not energies[i] < best[2] * (1.0 + _MARGIN) + _MARGIN:
+            break
+        energies[i] = math.inf
+        if _seen(load, ended, i):
+            continue
+        ended[i] = True
+        result = _end(
+            kinds[i], position, quaternion, gap, torsion_ratio, ratio, free_spin, starts[i], n,
+            s[i], frames[i], load[i], tails[i], tolerance, *scratch,
+        )  # fmt: skip
+        best = _keep(result, best, scratch, loads, node_s, node_pose, tail)
     for i in range(_RETRIES.shape[0]):
         if best[0] != NONE:
             break
@@ -436,36 +498,6 @@ def run_starts(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def run_start(
-    position, quaternion, torsion_ratio, free_spin, start, tolerance,
-    loads, node_s, node_pose, tail,
-):  # fmt: skip
-    """One start (turns, side 0, side 1, kick) to its own solution, with no other try.
-
-    A negative kick leaves out the relaxation; −k with k > 1 adds k half waves.
-    """
-    squares = position[0] ** 2 + position[1] ** 2 + position[2] ** 2
-    gap = (1.0 - squares) / (1.0 + math.sqrt(squares))
-    if start[3] == 0.0:
-        result = _try_tails(
-            position, quaternion, gap, torsion_ratio, free_spin, start, tolerance,
-            loads, node_s, node_pose, tail,
-        )  # fmt: skip
-        if result[0] != NONE:
-            return result
-    n = SEGMENTS
-    s, frames, load = np.empty(n + 1), np.empty((n + 2, 4)), np.empty(6)
-    ratio = min(torsion_ratio, _MAX_RATIO)
-    energy = _relax_start(position, quaternion, gap, ratio, free_spin, start, n, s, frames, load)
-    if energy == math.inf:
-        return NONE, math.inf, math.inf, 0
-    return _finish(
-        position, quaternion, gap, torsion_ratio, ratio, free_spin, n, s, frames, load, tolerance,
-        loads, node_s, node_pose, tail,
-    )  # fmt: skip
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def _keep(result, best, scratch, loads, node_s, node_pose, tail):
     """The better of two results; the record of a new one is copied from the scratch arrays."""
     if not result[2] < best[2]:
@@ -479,12 +511,10 @@ def _keep(result, best, scratch, loads, node_s, node_pose, tail):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _seen(load, energies, i):
-    """Whether a start of lower energy has already relaxed to the discrete rod ``i``."""
+def _seen(load, ended, i):
+    """Whether a start that has come to its end was at the same rod half way as start ``i``."""
     for j in range(load.shape[0]):
-        if j == i or energies[j] == math.inf:
-            continue
-        if energies[j] < energies[i] or (energies[j] == energies[i] and j < i):
+        if ended[j]:
             apart = 0.0
             size = 1.0
             for c in range(6):

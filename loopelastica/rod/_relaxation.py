@@ -2,9 +2,10 @@
 
 The Newton step of the constrained problem (``_discrete``) comes from a block tridiagonal LDLᵀ with
 four right-hand sides and a 3×3 Schur complement S = C H⁻¹ Cᵀ. It goes downhill iff H and S have
-equally many negative eigenvalues; otherwise H is shifted. A line search on energy + μ |constraint|₁
-with a second-order correction makes it robust: it starts from anywhere. At the end the difference
-of the two counts is the Morse index of the discrete rod, and a saddle is left by a kick.
+equally many negative eigenvalues; otherwise, or if the step is long, H is shifted. A line search on
+energy + μ |constraint|₁ with a second-order correction makes it robust: it starts from anywhere. At
+the end the difference of the two counts is the Morse index of the discrete rod, and a saddle is
+left by a kick.
 
 With a free end spin the twist costs nothing in the end: M3 = 0.
 
@@ -31,8 +32,12 @@ from loopelastica.rod._tails import align, multiply, planar_start, wrap
 
 SEGMENTS = 64
 _ITERATIONS = 200
-_STEP = 0.6
-_FLOOR = 1e-6
+# largest turn of a frame in one step, and of a step that is cut to it rather than shifted
+_STEP, _RADIUS = 1.0, 3.0
+# shifts of H: always; the least that makes a difference
+_FLOOR, _SHIFT = 1e-6, 4.0
+# |constraint|₁ and imbalance of a rod that the polish takes over from
+_CLOSED, _BALANCED = 1e-4, 1e-3
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -197,16 +202,17 @@ def _imbalance(gradient, sides, force):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _newton_step(
-    diagonal, upper, gradient, sides, c, s, n, once, inverse, x, schur_inverse, wanted
-):
-    """Solve the constrained Newton equations, H shifted until the step goes downhill.
+    diagonal, upper, gradient, sides, c, s, n, once, shift, inverse, x, schur_inverse, wanted, b
+):  # fmt: skip
+    """Solve the constrained Newton equations, H shifted until the step is short and goes downhill.
 
-    ``x`` (blocks, 3, 4) becomes H⁻¹(−g, Cᵀ), ``schur_inverse`` (3, 3) that of S and ``wanted`` (3,)
-    the new multiplier. With ``once`` H is left as it is. Returns neg(H) − neg(S).
+    ``x`` (blocks, 3, 4) becomes H⁻¹(−g, Cᵀ), ``schur_inverse`` (3, 3) that of S, ``wanted`` (3,)
+    the new multiplier and ``b`` (blocks, 3) the step. With ``once`` H keeps the first shift.
+    Returns neg(H) − neg(S), the shift, the slope g·b and the largest turn of b.
     """
     blocks = gradient.shape[0]
     schur, target = np.empty((3, 3)), np.empty(3)
-    shift, index = _FLOOR, 0
+    index, downhill, largest = 0, 0.0, 0.0
     for _ in range(14):
         for k in range(blocks):
             for i in range(3):
@@ -228,11 +234,14 @@ def _newton_step(
         count, _ = negative_eigenvalues(schur, 0.0)
         index = negative - count
         if index == 0 or once:
-            break
-        shift = 2.0 if shift < 1.0 else 4.0 * shift
-    inverse3(schur, schur_inverse)
-    _times(schur_inverse, target, wanted)
-    return index
+            inverse3(schur, schur_inverse)
+            _times(schur_inverse, target, wanted)
+            downhill, largest = _combine(x, wanted, gradient, b)
+            # barely convex: the step would be long, and no fraction of it any good
+            if once or largest < _RADIUS:
+                break
+        shift = max(_SHIFT, 4.0 * shift)
+    return index, shift, downhill, largest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -321,15 +330,16 @@ def relax(position, quaternion, torsion_ratio, free_spin, n, s, frames, force, m
     inverse, x = np.empty((blocks, 3, 3)), np.empty((blocks, 3, 4))
     schur_inverse, wanted = np.empty((3, 3)), np.empty(3)
     b, trial = np.empty((blocks, 3)), np.empty((n + 2, 4))
-    mu, kicks = 0.0, 0
+    mu, shift, kicks = 0.0, _FLOOR, 0
     energy = measure(frames, s, n, position, k3, omega, c)
     for iteration in range(_ITERATIONS):
         assemble(frames, s, n, blocks, k3, omega, force, diagonal, upper, gradient, sides)
         norm_c = abs(c[0]) + abs(c[1]) + abs(c[2])
-        done = norm_c < 1e-5 and _imbalance(gradient, sides, force) < 1e-4
-        index = _newton_step(
-            diagonal, upper, gradient, sides, c, s, n, done, inverse, x, schur_inverse, wanted
-        )
+        done = norm_c < _CLOSED and _imbalance(gradient, sides, force) < _BALANCED
+        index, shift, downhill, largest = _newton_step(
+            diagonal, upper, gradient, sides, c, s, n, done, _FLOOR if done else shift,
+            inverse, x, schur_inverse, wanted, b,
+        )  # fmt: skip
         largest_force = max(abs(wanted[0]), abs(wanted[1]), abs(wanted[2]))
         # a straight start: the constraint has no slope along the chord
         stuck = not largest_force < 1e12
@@ -337,11 +347,12 @@ def relax(position, quaternion, torsion_ratio, free_spin, n, s, frames, force, m
             _first_moment(omega, s, n, k3, moment)
             return True, energy, index, iteration
         if not done and not stuck:
-            mu = max(mu, 1.1 * largest_force)
-            downhill, largest = _combine(x, wanted, gradient, b)
+            # a multiplier that was large once must not weigh the constraint for ever
+            mu = max(0.5 * mu, 1.1 * largest_force)
+            t = min(1.0, _STEP / max(largest, 1e-300))
             taken, value = _line_search(
                 frames, b, x, schur_inverse, s, n, blocks, position, k3, omega, energy, norm_c, mu,
-                downhill - mu * norm_c, min(1.0, _STEP / max(largest, 1e-300)), trial, trial_c,
+                downhill - mu * norm_c, t, trial, trial_c,
             )  # fmt: skip
             stuck = taken == 0.0
         if done or stuck:
@@ -351,8 +362,10 @@ def relax(position, quaternion, torsion_ratio, free_spin, n, s, frames, force, m
                 return False, math.inf, 0, iteration
             bow(frames, s, n, 0.07, kicks)
             energy = measure(frames, s, n, position, k3, omega, c)
-            mu = 0.0
+            mu, shift = 0.0, _FLOOR
             continue
+        if taken == t:
+            shift = 0.25 * shift if shift > 0.5 * _SHIFT else _FLOOR
         energy = value
         c[:] = trial_c
         frames[:, :] = trial

@@ -42,6 +42,8 @@ _TOLERANCE = 2e-12
 _TINY = 1e-300
 # largest torsion ratio that is solved at once
 _MAX_RATIO = 8.0
+# √F below which no tail reaches the middle
+_SLACK = 10.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -526,7 +528,7 @@ def solve_tails(
     the other side first.
     """
     root, ex, ey, ez = planar_start(position, quaternion, gap, side0, side1)
-    if root < 3.0:
+    if root < _SLACK:
         return False
     q0, x = np.empty(4), np.zeros(6)
     align(ex, ey, ez, q0)

@@ -18,12 +18,16 @@ from loopelastica.rod.equilibrium import METHODS, Equilibrium, Status
 # largest end error (position, rotation vector) of a converged solution on the check mesh
 TOLERANCE = 1e-9
 
-# turns and sides (start, end) of the standard starts; the rest is tried where these fail. Three
-# turns alone miss the lowest rod about once in a thousand poses below |η| = 0.6
-_LOWEST = tuple((n, *sides) for n in (0, 1, -1) for sides in ((0, 0), (1, 0), (0, 1)))
+# turns, sides (start, end) and kick of the standard starts. Without the sides and the kicks the
+# lowest rod of about one random pose in a thousand is missed
+_PLAIN = tuple((n, *sides, 0.0) for n in (0, 1, -1) for sides in ((0, 0), (1, 0), (0, 1)))
+_LOWEST = (*_PLAIN, (0, 0, 0, 0.5), (1, 1, 0, 0.5), (-1, 1, 0, 0.5))
 # twist costs next to nothing: more turns are worth a look
-_SOFT = (*_LOWEST, (2, 0, 0), (-2, 0, 0), (3, 0, 0), (-3, 0, 0))
-_FREE = ((0, 0, 0), (0, 1, 0), (0, 0, 1), (0, 1, 1))
+_SOFT = (*_LOWEST, (2, 0, 0, 0.0), (-2, 0, 0, 0.0), (3, 0, 0, 0.0), (-3, 0, 0, 0.0))
+_FREE = (
+    *((0, *sides, 0.0) for sides in ((0, 0), (1, 0), (0, 1), (1, 1))),
+    *((0, 0, 0, 0.5), (0, 0, 0, 1.5), (0, 1, 1, 0.8)),
+)
 _SOFT_RATIO = 0.1
 
 # |η| above this is the straight rod or out of reach: the load of a bent one exceeds 1e17
@@ -194,7 +198,7 @@ def new_record() -> tuple[Array, Array, Array, Array]:
 def starts(torsion_ratio: float, free_spin: bool) -> Array:
     """Standard starts (n, 4): turns, sides of start and end, kick."""
     chosen = _FREE if free_spin else _SOFT if torsion_ratio < _SOFT_RATIO else _LOWEST
-    return np.array([(*start, 0) for start in chosen], dtype=np.float64)
+    return np.array(chosen, dtype=np.float64)
 
 
 def from_record(
