@@ -18,7 +18,7 @@ import math
 import numpy as np
 from numba import njit
 
-from loopelastica.rod._rotations import rotation_vector, tangent
+from loopelastica.rod._rotations import larger, rotation_vector, tangent
 from loopelastica.rod._segments import _MAX_SEGMENT_STEPS, _apply, _integrate, _rows, gaps
 from loopelastica.rod._shooting import POSE, WITH_JACOBIAN
 
@@ -60,7 +60,7 @@ def _forward(g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, 
         _rows(y, f, node_pose[i], t, b)
         # columns: x_k (6), x_k+1 (6), g (6), right-hand side; rows 0–5 carried, 6–11 new
         for r in range(6):
-            worst = max(worst, abs(rest[r]))
+            worst = larger(worst, abs(rest[r]))
             if free_spin:
                 b[r, 5] = 0.0
             for c in range(6):

@@ -18,6 +18,7 @@ import math
 import numpy as np
 from numba import njit
 
+from loopelastica.rod._newton import CONVERGED, elastic_energy, newton
 from loopelastica.rod._relaxation import (
     SEGMENTS,
     bow,
@@ -55,6 +56,9 @@ _MAX_RATIO = 8.0
 _DROP = 1e-12
 # places on a circle of nearly equal solutions
 _DIRECTIONS = 12
+
+# Newton steps that a stored rod is given to come near: one that needs more seldom does
+_HASTE = 6
 
 # 1 − |r| above which half the segments do; what hinge energies may be off by
 _SLACK, _MARGIN = 0.15, 0.05
@@ -249,7 +253,7 @@ def _relax_start(position, quaternion, gap, ratio, free_spin, start, n, s, frame
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _finish(
-    position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, n, s, frames, load,
+    position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, relaxed, n, s, frames, load,
     tolerance, loads, node_s, node_pose, tail,
 ):  # fmt: skip
     """From the discrete rod to a solution, see `run_starts`."""
@@ -273,7 +277,9 @@ def _finish(
     # with M3 = 0 the ratio is void
     ratio = 1.0 if free_spin else torsion_ratio
     m = 16 if size < 40.0 else 32
-    while m <= n:
+    # more nodes help where the discrete rod is near, not where nothing was relaxed
+    most = n if relaxed else m
+    while m <= most:
         loads[:] = load
         if free_spin:
             loads[5] = 0.0
@@ -382,8 +388,8 @@ def _end(
         ):
             return NONE, math.inf, math.inf, 0
     return _finish(
-        position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, n, s, frames, load,
-        tolerance, loads, node_s, node_pose, tail,
+        position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, start[3] >= 0.0, n, s,
+        frames, load, tolerance, loads, node_s, node_pose, tail,
     )  # fmt: skip
 
 
@@ -396,7 +402,8 @@ def run_start(
 
     A negative kick leaves out the relaxation; −k with k > 1 adds k half waves.
     """
-    gap, ratio, n = _gap(position), min(torsion_ratio, _MAX_RATIO), SEGMENTS
+    gap, ratio = _gap(position), min(torsion_ratio, _MAX_RATIO)
+    n = SEGMENTS // 2 if gap > _SLACK else SEGMENTS
     s, frames, load, start_tail = np.empty(n + 1), np.empty((n + 2, 4)), np.empty(6), np.zeros(SIZE)
     kind, _ = _begin(
         position, quaternion, gap, torsion_ratio, ratio, free_spin, start, n, s, frames, load,
@@ -488,7 +495,7 @@ def run_starts(
             )  # fmt: skip
             if energy < math.inf:
                 result = _finish(
-                    position, quaternion, gap, torsion_ratio, trial_ratio, free_spin, n, s[0],
+                    position, quaternion, gap, torsion_ratio, trial_ratio, free_spin, True, n, s[0],
                     frames[0], load[0], tolerance, *scratch,
                 )  # fmt: skip
                 best = _keep(result, best, scratch, loads, node_s, node_pose, tail)
@@ -527,17 +534,23 @@ def _seen(load, ended, i):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def run_batch(
-    positions, quaternions, torsion_ratio, free_spin, starts, lowest, tolerance,
+    positions, quaternions, torsion_ratio, free_spin, guesses, starts, lowest, tolerance,
     loads, energies, residuals, methods,
 ):  # fmt: skip
-    """`run_starts` for many poses; a solution already in the arrays stays if it is lower."""
-    trial, tail = np.zeros(6), np.zeros(SIZE)
-    node_s, node_pose = np.empty(NODES), np.empty((NODES, 7))
+    """Many poses: Newton's method from ``guesses`` (n, g, 6), then `run_starts`."""
+    tail, node_s, node_pose = np.zeros(SIZE), np.empty(NODES), np.empty((NODES, 7))
     for i in range(positions.shape[0]):
-        method, residual, energy, _ = run_starts(
-            positions[i], quaternions[i], torsion_ratio, free_spin, starts, lowest, tolerance,
-            trial, node_s, node_pose, tail,
-        )  # fmt: skip
-        if energy < energies[i]:
-            loads[i] = trial
-            energies[i], residuals[i], methods[i] = energy, residual, method
+        for j in range(guesses.shape[1]):
+            loads[i] = guesses[i, j]
+            status, residual, _, end = newton(
+                loads[i], positions[i], quaternions[i], torsion_ratio, free_spin, tolerance, _HASTE
+            )
+            if status == CONVERGED:
+                energies[i] = elastic_energy(loads[i], end, torsion_ratio)
+                residuals[i], methods[i] = residual, SHOOTING
+                break
+        if methods[i] == NONE:
+            methods[i], residuals[i], energies[i], _ = run_starts(
+                positions[i], quaternions[i], torsion_ratio, free_spin, starts, lowest, tolerance,
+                loads[i], node_s, node_pose, tail,
+            )  # fmt: skip

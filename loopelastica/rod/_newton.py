@@ -8,10 +8,9 @@ alignment only), and the sixth equation is M3 = 0.
 Far from the solution the step is Levenberg's and Marquardt's, (JᵀJ + ν S) d = −Jᵀe, with S the
 natural scales of force and moment and ν updated by Nielsen's rule from the ratio of actual to
 predicted decrease; it stays defined where J is singular (folds; ends on one line, where every
-solution belongs to a circle of solutions). Once the error is small, plain Newton steps follow on
-a finer mesh, by elimination with complete pivoting that leaves out null directions. The loads are
-then judged by a mesh that the iteration did not use, and the finer mesh is doubled until both
-agree: only that residual is reported.
+solution belongs to a circle of solutions). Once the error is small, steps with the last Jacobian
+follow on a finer mesh, by elimination with complete pivoting that leaves out null directions. The
+loads are then judged by a mesh that the iteration did not use: only that residual is reported.
 """
 
 import math
@@ -19,17 +18,18 @@ import math
 import numpy as np
 from numba import njit
 
-from loopelastica.rod._rotations import log_jacobian_inverse, rotation_vector, tangent
+from loopelastica.rod._rotations import larger, log_jacobian_inverse, rotation_vector, tangent
 from loopelastica.rod._shooting import POSE, WITH_JACOBIAN, moment_bound, shoot, step_count
 
 CONVERGED, STALLED, TOO_MANY_ITERATIONS, TOO_STIFF, CHECK_FAILED = 0, 1, 2, 3, 4
 
-# steps per radian of turning: 1e-6 while searching, 1e-10 when polishing (measured over loads
+# steps per radian of turning: 1e-4 while searching, 1e-10 when polishing (measured over loads
 # up to |F| = 60, |M| = 12)
-_COARSE, _FINE = 1.0, 2.5
+_COARSE, _FINE = 0.6, 2.5
 # the coarse mesh is trusted down to here
-_SWITCH = 1e-4
-_MAX_ITERATIONS = 40
+_SWITCH = 1e-3
+# steps on the fine mesh, and the error there that needs no other
+_CHORDS, _SETTLED = 8, 1e-11
 # growth exp(√F) of an error over the length: beyond, loads at one end do not fix the other end
 _MAX_RATE = 400.0
 
@@ -80,8 +80,7 @@ def end_error(y, position, quaternion, free_spin, m3, e, jacobian, with_jacobian
 def _largest(e):
     worst = 0.0
     for c in range(6):
-        worst = max(worst, abs(e[c]))
-    # comparisons with NaN are false: an overflow must not look small
+        worst = larger(worst, abs(e[c]))
     return worst if worst == worst else math.inf
 
 
@@ -188,21 +187,24 @@ def _scales(f, scale):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _search(f, position, quaternion, torsion_ratio, free_spin, y, k, z, e, jacobian):
-    """Levenberg–Marquardt on the coarse mesh down to ``_SWITCH``; f in place.
+def _search(
+    f, position, quaternion, torsion_ratio, free_spin, most, y, k, z, e, jacobian
+):  # fmt: skip
+    """Levenberg–Marquardt on the coarse mesh down to ``_SWITCH``; f, e and jacobian in place.
 
     Returns status and iterations.
     """
     a, d, scale = np.empty((6, 6)), np.empty(6), np.empty(6)
-    trial, trial_e = np.empty(6), np.empty(6)
+    trial, trial_e, trial_jacobian = np.empty(6), np.empty(6), np.empty((6, 6))
     nu, growth = 1e-3, 2.0
     shoot(f, torsion_ratio, step_count(f, _COARSE), WITH_JACOBIAN, y, k, z)
     end_error(y, position, quaternion, free_spin, f[5], e, jacobian, True)
     cost = _squares(e)
-    for iteration in range(_MAX_ITERATIONS):
+    for iteration in range(most):
         if _largest(e) < _SWITCH:
             return CONVERGED, iteration
         _scales(f, scale)
+        gain = -1.0
         if marquardt_step(jacobian, e, scale, nu, a, d):
             predicted = 0.0
             for c in range(6):
@@ -214,99 +216,73 @@ def _search(f, position, quaternion, torsion_ratio, free_spin, y, k, z, e, jacob
             if free_spin:
                 trial[5] = 0.0
             if moment_bound(trial) < _MAX_RATE:
-                shoot(trial, torsion_ratio, step_count(trial, _COARSE), POSE, y, k, z)
-                end_error(y, position, quaternion, free_spin, trial[5], trial_e, jacobian, False)
+                # most steps are accepted, so the Jacobian comes along
+                shoot(trial, torsion_ratio, step_count(trial, _COARSE), WITH_JACOBIAN, y, k, z)
+                end_error(
+                    y, position, quaternion, free_spin, trial[5], trial_e, trial_jacobian, True
+                )
                 gain = (cost - _squares(trial_e)) / max(predicted, 1e-300)
-            else:
-                gain = -1.0
-            if gain > 1e-4:
-                for c in range(6):
-                    f[c] = trial[c]
-                shoot(f, torsion_ratio, step_count(f, _COARSE), WITH_JACOBIAN, y, k, z)
-                end_error(y, position, quaternion, free_spin, f[5], e, jacobian, True)
-                slowed = cost - _squares(e) < 1e-3 * cost and _largest(e) > 100.0 * _SWITCH
-                cost = _squares(e)
-                nu *= max(0.1, 1.0 - (2.0 * gain - 1.0) ** 3)
-                growth = 2.0
-                if slowed and nu > 1e-2:
-                    return STALLED, iteration + 1
-                continue
+        if gain > 1e-4:
+            slowed = cost - _squares(trial_e) < 1e-3 * cost and _largest(trial_e) > 100.0 * _SWITCH
+            f[:] = trial
+            e[:] = trial_e
+            jacobian[:, :] = trial_jacobian
+            cost = _squares(e)
+            nu *= max(0.1, 1.0 - (2.0 * gain - 1.0) ** 3)
+            growth = 2.0
+            if slowed and nu > 1e-2:
+                return STALLED, iteration + 1
+            continue
         nu *= growth
         growth *= 2.0
         if nu > 1e8:
             return STALLED, iteration + 1
-    return TOO_MANY_ITERATIONS, _MAX_ITERATIONS
+    return TOO_MANY_ITERATIONS, most
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _polish(f, steps, position, quaternion, torsion_ratio, free_spin, y, k, z, e, jacobian):
-    """Newton steps on ``steps`` steps until they no longer help; f in place, returns count."""
-    a, d, scale = np.empty((6, 6)), np.empty(6), np.empty(6)
-    best = math.inf
-    kept = f.copy()
-    for iteration in range(8):
-        shoot(f, torsion_ratio, steps, WITH_JACOBIAN, y, k, z)
-        end_error(y, position, quaternion, free_spin, f[5], e, jacobian, True)
-        error = _largest(e)
-        if not error < best:
-            for c in range(6):
-                f[c] = kept[c]
-            return iteration
-        # below 1e-13 rounding decides; above, a fall to less than 1e-6 squares to rounding
-        last = error < 1e-13
-        best = error
-        for c in range(6):
-            kept[c] = f[c]
-        if last:
-            return iteration
-        _scales(f, scale)
-        pivoted_step(jacobian, e, scale, a, d)
-        for c in range(6):
-            f[c] += d[c]
-        if free_spin:
-            f[5] = 0.0
-        if error < 1e-7:
-            # quadratic convergence: the next error is below rounding
-            return iteration + 1
-        if not moment_bound(f) < _MAX_RATE:
-            for c in range(6):
-                f[c] = kept[c]
-            return iteration
-    return 8
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance):
-    """Drive the loads ``f`` (6,) to the clamping, in place.
+def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance, most):
+    """Drive the loads ``f`` (6,) to the clamping, in place, in at most ``most`` search steps.
 
     Returns (status, residual, iterations, y) with the residual of the check mesh and the end
     state (7,) there.
     """
     y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
-    e, jacobian = np.empty(6), np.empty((6, 6))
+    a, d, scale = np.empty((6, 6)), np.empty(6), np.empty(6)
+    e, jacobian, kept = np.empty(6), np.empty((6, 6)), np.empty(6)
     if free_spin:
         f[5] = 0.0
     if not moment_bound(f) < _MAX_RATE:
         return TOO_STIFF, math.inf, 0, y[:POSE]
     status, iterations = _search(
-        f, position, quaternion, torsion_ratio, free_spin, y, k, z, e, jacobian
+        f, position, quaternion, torsion_ratio, free_spin, most, y, k, z, e, jacobian
     )
     if status != CONVERGED:
         return status, _largest(e), iterations, y[:POSE]
-    steps = step_count(f, _FINE)
-    residual = math.inf
-    for _ in range(4):
-        iterations += _polish(
-            f, steps, position, quaternion, torsion_ratio, free_spin, y, k, z, e, jacobian
-        )
-        # the judge: a mesh whose nodes the iteration has not seen
-        shoot(f, torsion_ratio, steps + steps // 2 + 1, POSE, y, k, z)
+    # the coarse Jacobian serves for all steps that are left: each gains three digits or more
+    steps, best = step_count(f, _FINE), math.inf
+    _scales(f, scale)
+    for _ in range(_CHORDS):
+        kept[:] = f
+        pivoted_step(jacobian, e, scale, a, d)
+        for c in range(6):
+            f[c] += d[c]
+        if free_spin:
+            f[5] = 0.0
+        shoot(f, torsion_ratio, steps, POSE, y, k, z)
         end_error(y, position, quaternion, free_spin, f[5], e, jacobian, False)
-        residual = _largest(e)
-        if residual < tolerance:
-            return CONVERGED, residual, iterations, y[:POSE]
-        steps *= 2
-    return CHECK_FAILED, residual, iterations, y[:POSE]
+        iterations += 1
+        if not _largest(e) < 0.3 * best:
+            f[:] = kept
+            break
+        best = _largest(e)
+        if best < _SETTLED:
+            break
+    # the judge: a mesh whose nodes the iteration has not seen
+    shoot(f, torsion_ratio, steps + steps // 4 + 1, POSE, y, k, z)
+    end_error(y, position, quaternion, free_spin, f[5], e, jacobian, False)
+    residual = _largest(e)
+    return (CONVERGED if residual < tolerance else CHECK_FAILED), residual, iterations, y[:POSE]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

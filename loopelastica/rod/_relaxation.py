@@ -27,7 +27,7 @@ from loopelastica.rod._discrete import (
     negative_eigenvalues,
     turn,
 )
-from loopelastica.rod._rotations import matrix_from_quaternion, tangent
+from loopelastica.rod._rotations import larger, matrix_from_quaternion, tangent
 from loopelastica.rod._tails import align, multiply, planar_start, wrap
 
 SEGMENTS = 64
@@ -196,7 +196,7 @@ def _imbalance(gradient, sides, force):
             r = gradient[k, i]
             for j in range(3):
                 r -= sides[k, i, j] * force[j]
-            worst = max(worst, abs(r))
+            worst = larger(worst, abs(r))
     return worst / (1.0 + size)
 
 

@@ -11,6 +11,12 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def larger(a, b):
+    """The larger of two numbers; NaN if either is, where max would hide it."""
+    return a if a >= b or a != a else b
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def quaternion_from_matrix(r):
     """Unit quaternion of a rotation matrix (3, 3), by the largest of its four components."""
     q = np.empty(4)

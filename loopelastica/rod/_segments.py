@@ -24,7 +24,7 @@ import numpy as np
 from numba import njit
 
 from loopelastica.rod._newton import pivoted_step
-from loopelastica.rod._rotations import rotation_vector, spin, tangent
+from loopelastica.rod._rotations import larger, rotation_vector, spin, tangent
 from loopelastica.rod._shooting import POSE, WITH_JACOBIAN, march
 
 _MAX_SEGMENT_STEPS = 60
@@ -89,9 +89,9 @@ def gaps(g, torsion_ratio, free_spin, node_s, node_pose, density, f, y, k, z):
         if _integrate(g, free_spin, node_pose[i], h, density, POSE, f, y, k, z) > 4000:
             return math.inf, math.inf
         a, b, c = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
-        worst = max(worst, abs(a), abs(b), abs(c))
+        worst = larger(larger(larger(worst, abs(a)), abs(b)), abs(c))
         for j in range(3):
-            worst = max(worst, abs(node_pose[i, j] + y[j] - node_pose[i + 1, j]))
+            worst = larger(worst, abs(node_pose[i, j] + y[j] - node_pose[i + 1, j]))
         tx, ty, tz = tangent(node_pose[i, 3:])
         energy += 0.5 * h * (f[3] * f[3] + f[4] * f[4] + f[5] * f[5])
         # h t(0) − Δr is small where the segment is nearly straight
@@ -158,7 +158,7 @@ def _linear(
         for c in range(3):
             rest[3 + c] = node_pose[i, c] + y[c] - node_pose[i + 1, c]
         for c in range(6):
-            worst = max(worst, abs(rest[c]))
+            worst = larger(worst, abs(rest[c]))
         _rows(y, f, node_pose[i], t, b)
         if free_spin:
             for c in range(6):

@@ -29,6 +29,7 @@ import numpy as np
 from numba import njit
 
 from loopelastica.rod._rotations import (
+    larger,
     matrix_from_quaternion,
     rotation_vector,
     spin,
@@ -451,9 +452,9 @@ def tail_energy(tail, torsion_ratio):
 def _pose_distance(a, b):
     """Largest component of position difference and rotation vector between two poses."""
     vx, vy, vz = rotation_vector(a[3:POSE], b[3:POSE])
-    worst = max(abs(vx), abs(vy), abs(vz))
+    worst = larger(larger(abs(vx), abs(vy)), abs(vz))
     for c in range(3):
-        worst = max(worst, abs(a[c] - b[c]))
+        worst = larger(worst, abs(a[c] - b[c]))
     return worst if worst == worst else math.inf
 
 
@@ -497,25 +498,25 @@ def check_tails(tail, quaternion, torsion_ratio, free_spin):
             march(f, y, step, 1 + int(2.2 * 2.0 * root * step), POSE, k, z)
             for c in range(3):
                 y[c] += first[c]
-            worst = max(worst, _pose_distance(y, second))
+            worst = larger(worst, _pose_distance(y, second))
             for c in range(POSE):
                 pose[c] = ahead[c]
             for c in range(3):
                 moment[c] = moment_ahead[c]
     tail_pose(tail, 0.5, False, pose, moment)
     tail_pose(tail, 0.5, True, ahead, moment)
-    worst = max(worst, _pose_distance(pose, ahead))
+    worst = larger(worst, _pose_distance(pose, ahead))
     tail_pose(tail, 0.0, True, pose, moment)
     spin(pose[3:POSE], 2.0 * root * math.sin(tail[5]) * (1.0 / torsion_ratio - 1.0))
     if free_spin:
         tx, ty, tz = tangent(pose[3:POSE])
         cx, cy, cz = tangent(quaternion)
-        return max(worst, abs(tx - cx), abs(ty - cy), abs(tz - cz))
+        return larger(worst, max(abs(tx - cx), abs(ty - cy), abs(tz - cz)))
     for c in range(4):
         ahead[3 + c] = quaternion[c]
     for c in range(3):
         ahead[c] = pose[c]
-    return max(worst, _pose_distance(pose, ahead))
+    return larger(worst, _pose_distance(pose, ahead))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -12,6 +12,7 @@ go on, to more turns, stronger kicks and farther stored rods, until that falls u
 the starts are used up.
 """
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -33,6 +34,8 @@ from loopelastica.rod.stability import assess
 # largest difference of position (L) or frame components between two copies of one equilibrium
 SAME = 1e-5
 UNSEEN = 0.02
+# Newton steps from a stored rod
+_PATIENCE = 40
 # bending the rod twice around costs ½(4π)²
 ENERGY_SPAN = 8.0 * math.pi**2
 
@@ -104,11 +107,14 @@ class Equilibria(list[Equilibrium]):
         self.unseen = self.hits.count(1) / sum(self.hits) if below else 1.0
 
 
-@dataclass(slots=True)
+@dataclass
 class _Found:
     rod: Equilibrium
-    mark: Array
     hits: int = 1
+
+    @functools.cached_property
+    def mark(self) -> Array:
+        return _mark(self.rod)
 
 
 def equilibria(
@@ -162,7 +168,7 @@ def equilibria(
         raise ValueError(f"`rounds` is {rounds}; it must be 1 to {len(_ROUNDS)}")
     stretched = straight(clamping, torsion_ratio)
     if stretched is not None:
-        return _result([_Found(stretched, np.zeros(0), 2)], energy_max, 1)
+        return _result([_Found(stretched, 2)], energy_max, 1)
     from loopelastica.rod.library import library
 
     found: list[_Found] = []
@@ -177,7 +183,9 @@ def equilibria(
         clamping.position[None], clamping.rotation[None], sum(count for _, count in planned)
     )[0]
     starts = used = 0
-    for number, (structured, count) in enumerate(planned, start=1):
+    waves = _nearly_in_line(clamping)
+    for number, (everything, count) in enumerate(planned, start=1):
+        structured = [start for start in everything if waves or start[3] >= -1]
         for start in structured:
             _merge(found, _from_start(clamping, torsion_ratio, start))
         for guess in guesses[used : used + count]:
@@ -192,6 +200,16 @@ def equilibria(
             break
     result[:] = [assess(rod) for rod in result]
     return result
+
+
+def _nearly_in_line(clamping: Clamping) -> bool:
+    """Whether the end tangents are within about 0.3 rad of the line between the ends.
+
+    Only then did starts in half waves lead to equilibria that no other start finds.
+    """
+    size = np.linalg.norm(clamping.position)
+    tangent = clamping.rotation[:, 2]
+    return bool(clamping.position[2] > 0.95 * size and clamping.position @ tangent > 0.95 * size)
 
 
 def _result(found: list[_Found], energy_max: float | None, starts: int) -> Equilibria:
@@ -217,7 +235,7 @@ def _from_guess(clamping: Clamping, torsion_ratio: float, guess: Array) -> Equil
     loads = guess.copy()
     status, residual, _, end = newton(
         loads, clamping.position, quaternion(clamping),
-        torsion_ratio, clamping.free_spin, TOLERANCE,
+        torsion_ratio, clamping.free_spin, TOLERANCE, _PATIENCE,
     )  # fmt: skip
     if status != Status.CONVERGED:
         return Equilibrium(clamping, torsion_ratio, loads, math.inf, math.inf, Status(status))
@@ -229,19 +247,23 @@ def _merge(found: list[_Found], rod: Equilibrium) -> None:
     """Count ``rod``, if it converged, as a hit of the equilibrium that it equals, or add it."""
     if not rod.converged:
         return
+    new = _Found(rod)
     for other in found:
-        # equal loads are the same rod; unequal ones may be, on one line or near a fold
-        if np.abs(other.rod.loads - rod.loads).max() < 1e-7:
-            other.hits += 1
-            return
-    mark = _mark(rod)
-    for other in found:
-        if np.abs(other.mark - mark).max() < SAME:
+        if _same(other, new):
             other.hits += 1
             if rod.residual < other.rod.residual:
                 other.rod = rod
             return
-    found.append(_Found(rod, mark))
+    found.append(new)
+
+
+def _same(one: _Found, other: _Found) -> bool:
+    """Whether two results are one equilibrium."""
+    apart = np.abs(one.rod.loads - other.rod.loads).max() / (1.0 + np.abs(one.rod.loads).max())
+    # equal loads are the same rod; unequal ones may be, on one line or near a fold
+    if apart < 1e-9 or (apart > 1e-2 and not one.rod.clamping.on_one_line):
+        return bool(apart < 1e-9)
+    return bool(np.abs(one.mark - other.mark).max() < SAME)
 
 
 def _mark(rod: Equilibrium) -> Array:

@@ -32,7 +32,9 @@ _SOFT_RATIO = 0.1
 
 # |η| above this is the straight rod or out of reach: the load of a bent one exceeds 1e17
 _STRAIGHT = 1e-9
-_CHUNK = 2048
+_CHUNK = 1024
+# stored rods tried for each row of a batch
+_NEIGHBOURS = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -225,8 +227,12 @@ def solve_batch(
     torsion_ratio: float = 1.0,
     free_spin: bool = False,
     lowest: bool = False,
+    threads: int = 1,
 ) -> Batch:
     """Solve many clampings; one that fails is a row with a status.
+
+    Where any equilibrium will do, the nearest stored rods are tried before the cascade. A row does
+    not depend on the others, on how rows are cut into batches or on `threads`.
 
     Parameters
     ----------
@@ -236,6 +242,8 @@ def solve_batch(
         End frames in the start frames, columns d1 d2 d3.
     torsion_ratio, free_spin, lowest
         As for :func:`solve` and :class:`Clamping`; here the first solution is the default.
+    threads : int
+        Threads to compute with; the compiled solver runs without the interpreter's lock.
 
     Returns
     -------
@@ -268,9 +276,21 @@ def solve_batch(
     rows = np.flatnonzero(_solvable(positions, rotations, batch))
     for i in np.flatnonzero(batch.status == Status.UNREACHABLE):
         _try_straight(int(i), positions, rotations, torsion_ratio, free_spin, batch)
-    for first in range(0, len(rows), _CHUNK):
-        part = rows[first : first + _CHUNK]
-        _from_starts(part, positions, rotations, torsion_ratio, free_spin, lowest, batch)
+
+    def solve_part(part: NDArray[np.intp]) -> None:
+        _solve_rows(part, positions, rotations, torsion_ratio, free_spin, lowest, batch)
+
+    parts = [rows[first : first + _CHUNK] for first in range(0, len(rows), _CHUNK)]
+    if threads == 1 or len(parts) < 2:
+        for part in parts:
+            solve_part(part)
+    else:
+        from concurrent.futures import ThreadPoolExecutor
+
+        # what is compiled or loaded late is so once
+        solve_part(parts[0])
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(solve_part, parts[1:]))
     for array in batch._arrays():
         array.setflags(write=False)
     return batch
@@ -309,38 +329,33 @@ def _quaternions(rotations: Array) -> Array:
     return np.asarray(Rotation.from_matrix(rotations).as_quat(scalar_first=True))
 
 
-def _from_starts(
+def _solve_rows(
     rows: NDArray[np.intp], positions: Array, rotations: Array, torsion_ratio: float,
     free_spin: bool, lowest: bool, batch: Batch,
 ) -> None:  # fmt: skip
-    """The cascade from the standard starts of the given rows; results into ``batch``."""
-    if len(rows) == 0:
-        return
+    """Solve the given rows; results into ``batch``."""
     from loopelastica.rod._cascade import run_batch
 
-    loads, energy, residual, _ = (array[rows] for array in batch._arrays())
-    method = np.zeros(len(rows), dtype=np.int64)
+    n = len(rows)
+    guesses = np.zeros((n, 0, 6))
+    if not lowest:
+        from loopelastica.rod.library import library
+
+        stored = library(torsion_ratio, free_spin)
+        guesses = stored.nearest(positions[rows], rotations[rows], _NEIGHBOURS)
+    loads, energy, residual = np.zeros((n, 6)), np.full(n, np.inf), np.full(n, np.inf)
+    method = np.zeros(n, dtype=np.int64)
     run_batch(
-        positions[rows],
-        _quaternions(rotations[rows]),
-        torsion_ratio,
-        free_spin,
-        starts(torsion_ratio, free_spin),
-        lowest,
-        TOLERANCE,
-        loads,
-        energy,
-        residual,
-        method,
-    )
-    batch.loads[rows], batch.energy[rows], batch.residual[rows] = loads, energy, residual
-    batch.status[rows] = np.where(method > 0, Status.CONVERGED, Status.STALLED)
-    for i in rows[method == 0]:
-        clamping = Clamping(positions[i], rotations[i], free_spin)
+        positions[rows], _quaternions(rotations[rows]), torsion_ratio, free_spin, guesses,
+        starts(torsion_ratio, free_spin), lowest, TOLERANCE, loads, energy, residual, method,
+    )  # fmt: skip
+    for i in np.flatnonzero(method == 0):
+        clamping = Clamping(positions[rows[i]], rotations[rows[i]], free_spin)
         failed = Equilibrium(
-            clamping, torsion_ratio, loads[0], np.inf, np.inf, Status.STALLED, METHODS[0]
+            clamping, torsion_ratio, loads[i], np.inf, np.inf, Status.STALLED, METHODS[0]
         )
         rod = _by_detour(failed, lowest)
-        if rod.converged:
-            batch.loads[i], batch.energy[i] = rod.loads, rod.energy
-            batch.residual[i], batch.status[i] = rod.residual, rod.status
+        loads[i], energy[i], residual[i] = rod.loads, rod.energy, rod.residual
+        method[i] = METHODS.index(rod.method)
+    batch.loads[rows], batch.energy[rows], batch.residual[rows] = loads, energy, residual
+    batch.status[rows] = np.where(method > 0, Status.CONVERGED, Status.STALLED)
