@@ -49,7 +49,7 @@ _ROUNDS = (
             *((n, *sides, kick) for kick in (0, -1) for n in (0, 1, -1) for sides in _SIDES),
             *((0, 0, 0, -waves) for waves in _WAVES),
         ),
-        24,
+        16,
     ),
     (
         (
@@ -57,16 +57,16 @@ _ROUNDS = (
             *((n, *sides, kick) for kick in (0, -1) for n in (2, -2) for sides in _SIDES),
             *((n, 0, 0, kick) for kick in (0.3, 0.8) for n in (0, 1, -1)),
         ),
-        48,
+        32,
     ),
     (
         (
             *((n, *sides, kick) for kick in (0, -1) for n in (3, -3, 4, -4) for sides in _SIDES),
             *((n, 0, 0, kick) for kick in (1.5, 3.0) for n in (0, 1, -1, 2, -2)),
         ),
-        96,
+        64,
     ),
-    ((), 200),
+    ((), 128),
 )
 _FREE_ROUNDS = (
     (
@@ -74,11 +74,11 @@ _FREE_ROUNDS = (
             *((0, *sides, kick) for kick in (0, -1) for sides in _SIDES),
             *((0, 0, 0, -waves) for waves in _WAVES),
         ),
-        24,
+        16,
     ),
-    (tuple((0, *sides, kick) for kick in (0.3, 0.8) for sides in _SIDES), 48),
-    (tuple((0, *sides, kick) for kick in (1.5, 3.0) for sides in _SIDES), 96),
-    ((), 200),
+    (tuple((0, *sides, kick) for kick in (0.3, 0.8) for sides in _SIDES), 32),
+    (tuple((0, *sides, kick) for kick in (1.5, 3.0) for sides in _SIDES), 64),
+    ((), 128),
 )
 
 
