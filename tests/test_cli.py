@@ -33,7 +33,10 @@ def folded(tmp_path_factory):
 def test_fold_writes_one_folder_per_hairpin(folded):
     folder, result = folded
     names = {p.name for p in folder.iterdir()}
-    assert names == {"ranking.csv", "ranking.json", "traces.pdb", "line.csv", "plot.png"}
+    assert names == {
+        *("ranking.csv", "ranking.json", "traces.pdb", "line.csv", "plot.png"),
+        *("whole.pdb", "view.pml", "view.cxc"),
+    }
     assert [p.name for p in folder.parent.iterdir()] == ["2koc_A6-9"]
     assert "CUUCGG" in result.output
 

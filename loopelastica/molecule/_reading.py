@@ -127,6 +127,22 @@ def open_file(path: Path) -> tuple[Any, Frames]:
     return universe, TrajectoryFrames(universe)
 
 
+def pdb_records(path: Path) -> list[str]:
+    """Lines of the first model of a PDB file as they are: atoms, ANISOU and TER, and CRYST1."""
+    records: list[str] = []
+    for line in _bytes(path).decode("utf-8", errors="replace").splitlines():
+        if line.startswith("ENDMDL"):
+            break
+        if line.lstrip().startswith(("ATOM  ", "HETATM", "ANISOU", "TER", "CRYST1")):
+            records.append(line.lstrip())
+    return records
+
+
+def is_pdb(path: Path) -> bool:
+    """Whether a file is in PDB format, by its name."""
+    return _kind(path) in _PDB
+
+
 def first_line(error: BaseException) -> str:
     """Return what an exception says, as one clause."""
     text = str(error).strip() or type(error).__name__
