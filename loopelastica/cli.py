@@ -102,14 +102,20 @@ def fold(
     loop: _Loops = None,
     plot: Annotated[bool, typer.Option(help="Draw plot.png.")] = True,
     whole: Annotated[
-        bool, typer.Option(help="Write whole.pdb, the structure with the trace in place.")
-    ] = True,
+        bool | None,
+        typer.Option(
+            "--whole/--no-whole",
+            help="Write whole.pdb, the structure with the trace in place; by default up to"
+            " 20,000 atoms.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Fold every hairpin loop of the files; write tables, traces and a picture per hairpin."""
     from tqdm import tqdm
 
     from loopelastica.errors import LoopelasticaError
-    from loopelastica.exports import WholeStructure
+    from loopelastica.exports import WHOLE_ATOMS, WholeStructure, one_letter_chains
     from loopelastica.folding import fold as fold_file
     from loopelastica.listing import remarks
     from loopelastica.molecule.hairpins import find_hairpins
@@ -140,7 +146,16 @@ def fold(
                 dot_bracket=dot_bracket,
                 loop=loop or (),
             )
-            full = WholeStructure(structure) if whole and loops else None
+            small = len(structure.universe.atoms) <= WHOLE_ATOMS
+            full = (
+                WholeStructure(structure) if loops and (small if whole is None else whole) else None
+            )
+            chains = one_letter_chains(structure.nucleotides.chain.tolist())
+            notes += [
+                f"{file.name}: chain {chain} is {letter} in the PDB files that are written"
+                for chain, letter in chains.items()
+                if chain != letter
+            ]
             if not loops:
                 results.append((file.name, f"{file}: no hairpin loop found; nothing to fold", None))
             for folded in loops:

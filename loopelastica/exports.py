@@ -20,6 +20,10 @@ from loopelastica.rod.clamping import Array
 POINT = "CEN"
 """Atom name of the point of the line that stands for a nucleotide."""
 
+WHOLE_ATOMS = 20_000
+"""Most atoms of a structure that is written once more for each loop unless it is asked for: all
+loops of a ribosome would make half a gigabyte."""
+
 _ATOMS = ("ATOM  ", "HETATM")
 # The first ten colours of matplotlib, so that plot.png and the scripts agree.
 _COLOURS = ("1f77b4", "ff7f0e", "2ca02c", "d62728", "9467bd",
@@ -99,10 +103,10 @@ class WholeStructure:
         residues = structure.universe.atoms.resindices
         path = Path(structure.source) if structure.source else None
         self._records = pdb_records(path) if path and is_pdb(path) else []
-        self._letters = one_letter_chains(structure.nucleotides.chain.tolist())
+        self._letters: dict[str, str] = {}
         if sum(record.startswith(_ATOMS) for record in self._records) != len(residues):
             chains = _chains(structure.universe)
-            self._letters = one_letter_chains([*self._letters, *chains])
+            self._letters = one_letter_chains(chains)
             self._records = _made_anew(structure, [self._letters[chain] for chain in chains])
         atom = np.cumsum([record.startswith(_ATOMS) for record in self._records]) - 1
         own = np.array([record.startswith((*_ATOMS, "ANISOU")) for record in self._records])
@@ -111,18 +115,14 @@ class WholeStructure:
         serials = [r[6:11].strip() for r in self._records if r.startswith(_ATOMS)]
         self._serial = 1 + max((int(serial) for serial in serials if serial.isdigit()), default=0)
 
-    @property
-    def letters(self) -> dict[str, str]:
-        """One letter for each chain."""
-        return self._letters
-
     def write(self, path: Path, fold: LoopFold) -> None:
         """Write a PDB file: the first-ranked trace in place of the loop, all else as it was."""
         first, hairpin = fold.candidates[0], fold.hairpin
         keep = ~np.isin(self._residue, list(self._loop_residues(fold)))
         closing = self._residue_of(int(hairpin.stem_5[0]))
         after = int(np.flatnonzero(self._residue == closing)[-1]) + 1
-        chain = self._letters[hairpin.chain]
+        # the chain as the file has it, which may be blank where segments name the strands
+        chain = self._records[after - 1][21]
         points = point_records(fold, self._structure, first.trace, chain, 1, self._serial)
         records = np.array(self._records, dtype=object)
         ends = f"{hairpin.residues[0]} TO {hairpin.residues[-1]}"
@@ -176,7 +176,7 @@ def _made_anew(structure: Structure, chains: list[str]) -> list[str]:
         return pdb_records(path)
 
 
-def write_pymol(path: Path, fold: LoopFold, source: str) -> None:
+def write_pymol(path: Path, fold: LoopFold, source: str, chain: str) -> None:
     """Write a PyMOL script: the candidates as sticks over the file's own structure.
 
     Parameters
@@ -187,11 +187,10 @@ def write_pymol(path: Path, fold: LoopFold, source: str) -> None:
         What was folded.
     source : str
         Path of the structure file, from the folder of the script.
+    chain : str
+        Chain of the loop as a viewer knows it, "" where it knows none.
     """
-    hairpin = fold.hairpin
-    place = " and ".join(
-        [f"chain {hairpin.chain}"] * bool(hairpin.chain) + [f"resi {_numbers(fold, '+', _MINUS)}"]
-    )
+    place = " and ".join([f"chain {chain}"] * bool(chain) + [f"resi {_numbers(fold, '+', _MINUS)}"])
     lines = [
         _headline(fold),
         "# Run it in this folder: pymol view.pml",
@@ -224,10 +223,10 @@ def write_pymol(path: Path, fold: LoopFold, source: str) -> None:
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def write_chimerax(path: Path, fold: LoopFold, n_models: int, source: str) -> None:
+def write_chimerax(path: Path, fold: LoopFold, source: str, chain: str, n_models: int) -> None:
     """Write a ChimeraX script of the same content for a file of `n_models` models."""
-    hairpin, several = fold.hairpin, len(fold.candidates) > 1
-    chain = f"/{hairpin.chain}" if hairpin.chain else ""
+    several = len(fold.candidates) > 1
+    chain = f"/{chain}" if chain else ""
     native = "#2.1" if n_models > 1 else "#2"
     lines = [
         _headline(fold),

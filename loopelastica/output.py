@@ -30,7 +30,7 @@ from loopelastica.exports import (
     write_pymol,
 )
 from loopelastica.folding import LoopFold, stem_rms_A
-from loopelastica.molecule.nucleotides import Structure
+from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.molecule.trace import to_file_coordinates
 from loopelastica.rank import Candidate
 from loopelastica.rod.clamping import Array
@@ -106,9 +106,12 @@ def write_fold(
         _write_ranking_csv(part / "ranking.csv", fold)
         write_json(part / "ranking.json", ranking(source, fold, structure.remarks))
         _write_line(part / "line.csv", fold)
-        _write_traces(part / "traces.pdb", fold, structure, whole.letters if whole else letters)
-        write_pymol(part / "view.pml", fold, path_from(path, source))
-        write_chimerax(part / "view.cxc", fold, structure.n_models, path_from(path, source))
+        _write_traces(part / "traces.pdb", fold, structure, letters)
+        # a PDB file has no longer chain names: there they are those of segments
+        chain = fold.hairpin.chain
+        seen = "" if is_pdb(source) and len(chain) > 1 else chain
+        write_pymol(part / "view.pml", fold, path_from(path, source), seen)
+        write_chimerax(part / "view.cxc", fold, path_from(path, source), seen, structure.n_models)
         if whole is not None:
             whole.write(part / "whole.pdb", fold)
         if plot:

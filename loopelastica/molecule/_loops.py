@@ -47,7 +47,7 @@ def closing_pairs(
         if not joined[i:j].all():
             # The length of a loop with a gap is known by its numbers only.
             remarks += _gap(nucleotides, joined, i, j, max_loop)
-        elif (i, j) in told or (
+        elif ((i, j) in told and j - i > 1) or (
             min_loop <= j - i - 1 <= max_loop
             and (stem_length(partner, joined, i, j) > 1 or _stem_goes_on(c1, joined, i, j))
         ):
@@ -108,9 +108,10 @@ def _gap(
     n = int(number[j] - number[i]) - 1
     if nucleotides.chain[i] == nucleotides.chain[j] and j - i - 1 < n <= max_loop:
         chain = f"{nucleotides.chain[i]}." if nucleotides.chain[i] else ""
+        name = f"{chain}{number[i] + 1}-{number[j] - 1}"
         yield (
-            f"{label(i)}–{label(j)}: {n - (j - i - 1)} of its {n} loop nucleotides are missing in"
-            f" the file, so it is left out; `loop` {chain}{number[i] + 1}-{number[j] - 1} folds it"
+            f"{label(i)}–{label(j)}: {n - (j - i - 1)} of its {n} loop nucleotides are missing or"
+            f" incomplete in the file, so it is left out; `loop` {name} folds it"
         )
 
 
@@ -158,5 +159,7 @@ def _beside(
         if 0 <= row < len(nucleotides) and joined[min(row, row - step)]:
             return row
         raise StructureError(f"the chain does not go on at {end}; {refusal}")
+    if rows_at(nucleotides, end._replace(name="")):
+        raise StructureError(f"there is no nucleotide {end}; {refusal}")
     neighbour = end._replace(number=end.number + step, icode="", name="")
     return row_at(nucleotides, neighbour, refusal)

@@ -33,7 +33,7 @@ from loopelastica.molecule.selection import (
     as_texts,
     asked_pairs,
     bracket_pairs,
-    two_places,
+    ends_of,
 )
 
 __all__ = [
@@ -211,7 +211,7 @@ def hairpins_of(
     """Hairpin loops of one model, in the order of the file; see :func:`find_hairpins`."""
     if not 1 <= min_loop <= max_loop:
         raise ValueError(f"`min_loop` is {min_loop}, not between 1 and `max_loop` = {max_loop}")
-    wanted = [two_places("loop", text) for text in as_texts(loop)]
+    wanted = [ends_of(nucleotides, "loop", text) for text in as_texts(loop)]
     if dot_bracket is None:
         pairs, told = canonical_pairs(nucleotides, positions), set[tuple[int, int]]()
     else:

@@ -18,7 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica.errors import StructureError
-from loopelastica.molecule._reading import Frames, TrajectoryFrames, first_line, open_file, quiet
+from loopelastica.molecule._reading import (
+    Frames,
+    TrajectoryFrames,
+    first_line,
+    is_pdb,
+    open_file,
+    quiet,
+)
 from loopelastica.molecule._recognition import recognize
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
 
@@ -32,6 +39,7 @@ __all__ = [
     "centroids",
     "centroids_at",
     "enumerated",
+    "is_pdb",
     "linked",
     "read_structure",
 ]

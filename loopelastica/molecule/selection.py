@@ -41,12 +41,12 @@ class Place(NamedTuple):
 
 
 def two_places(argument: str, text: str) -> tuple[Place, Place]:
-    """Two places joined by a hyphen; the second takes the chain of the first where it has none.
+    """Two places joined by a hyphen.
 
     >>> [str(place) for place in two_places("pair", "A.12-A.25")]
     ['A.12', 'A.25']
     >>> [str(place) for place in two_places("loop", "A.-3-4B")]
-    ['A.-3', 'A.4B']
+    ['A.-3', '4B']
 
     Raises
     ------
@@ -60,8 +60,24 @@ def two_places(argument: str, text: str) -> tuple[Place, Place]:
     ]
     if len(places) != 2:
         raise ValueError(f"`{argument}` is {text!r}; it must be like A.12-A.25 or A.12-25")
-    first, second = places
-    return first, second if second.chain is not None else second._replace(chain=first.chain)
+    return places[0], places[1]
+
+
+def ends_of(nucleotides: Nucleotides, argument: str, text: str) -> tuple[Place, Place]:
+    """Two places with their chains: the second one is in the chain of the first if none is given.
+
+    The name of a hairpin, such as A6-9, is understood too, unless A is the base of a nucleotide 6.
+
+    Raises
+    ------
+    ValueError
+        If `text` cannot be understood.
+    """
+    first, last = two_places(argument, text)
+    named_chain = first.chain is None and first.name in nucleotides.chain.tolist()
+    if named_chain and not rows_at(nucleotides, first):
+        first = first._replace(chain=first.name, name="")
+    return first, last if last.chain is not None else last._replace(chain=first.chain)
 
 
 def as_texts(argument: str | Sequence[str]) -> tuple[str, ...]:
@@ -95,8 +111,7 @@ def row_at(nucleotides: Nucleotides, place: Place, consequence: str) -> int:
         labels = " and ".join(nucleotides.label(row) for row in rows[:2])
         raise StructureError(f"{place} may be {labels}; {consequence}")
     if not rows:
-        hint = "" if place.chain or not place.name else " (a dot follows the chain: A.12)"
-        raise StructureError(f"there is no nucleotide {place}{hint}; {consequence}")
+        raise StructureError(f"there is no nucleotide {place}; {consequence}")
     return rows[0]
 
 
@@ -112,7 +127,7 @@ def asked_pairs(nucleotides: Nucleotides, texts: Sequence[str]) -> list[tuple[in
     """
     pairs: list[tuple[int, int]] = []
     for text in texts:
-        ends = two_places("pair", text)
+        ends = ends_of(nucleotides, "pair", text)
         i, j = sorted(row_at(nucleotides, end, f"`pair` {text} cannot be made") for end in ends)
         if i == j or any({i, j} & set(other) for other in pairs):
             raise StructureError(f"`pair` {text}: a nucleotide pairs with one other only")
