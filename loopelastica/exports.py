@@ -173,7 +173,13 @@ def _made_anew(structure: Structure, chains: list[str]) -> list[str]:
         copy.add_TopologyAttr("chainIDs", chains)
         copy.atoms.positions = structure.positions(0)
         copy.atoms.write(str(path), bonds=None)
-        return pdb_records(path)
+        # MDAnalysis begins residue names at the left, the format ends them at the right
+        return [
+            f"{r[:17]}{r[17:21].strip():>3s}{r[20:] if r[20] == ' ' else r[21:]}"
+            if r.startswith(_ATOMS)
+            else r
+            for r in pdb_records(path)
+        ]
 
 
 def write_pymol(path: Path, fold: LoopFold, source: str, chain: str) -> None:
