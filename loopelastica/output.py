@@ -13,6 +13,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -168,6 +169,7 @@ def ranking(source: Path, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[s
     return {
         "program": "loopelastica",
         "version": __version__,
+        "libraries": {name: version(name) for name in ("numpy", "scipy", "numba", "MDAnalysis")},
         "input": {"file": source.name, "sha256": sha256(source)},
         "hairpin": {
             "chain": hairpin.chain,

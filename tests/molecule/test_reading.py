@@ -133,6 +133,21 @@ def test_models_of_unequal_size_are_matched_atom_by_atom(pdb, koc_lines, koc):
     np.testing.assert_array_equal(second[known, 0], np.arange(len(koc_lines))[known])
 
 
+def test_models_in_another_order_are_matched_atom_by_atom(pdb, koc_lines, koc):
+    structure = read_structure(pdb(koc_lines, koc_lines[::-1]))
+    np.testing.assert_allclose(structure.positions(1), koc.positions(0), atol=1e-4)
+    assert "read one by one" in structure.remarks[0]
+
+
+def test_atoms_of_one_name_are_told_apart_by_their_order(pdb, koc_lines):
+    far = [number_fields(line, 99.0, k, 0.0) for k, line in enumerate(koc_lines)]
+    nameless = [line[:21] + " " + line[22:] for line in [*koc_lines, *far]]
+    structure = read_structure(pdb(nameless, nameless[:-1]))
+    first, second = structure.models()
+    np.testing.assert_array_equal(first[:-1], second[:-1])
+    assert np.isnan(second[-1]).all()
+
+
 def test_an_indented_record_is_an_atom_too(pdb, koc_lines):
     structure = read_structure(pdb(["   " + koc_lines[0], *koc_lines[1:]]))
     assert len(structure.nucleotides) == 14
