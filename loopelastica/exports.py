@@ -13,8 +13,7 @@ import numpy as np
 
 from loopelastica import __version__
 from loopelastica.folding import LoopFold
-from loopelastica.molecule._reading import is_pdb, pdb_records, quiet
-from loopelastica.molecule.nucleotides import Structure
+from loopelastica.molecule.nucleotides import Structure, is_pdb, pdb_records, quiet
 from loopelastica.rod.clamping import Array
 
 POINT = "CEN"

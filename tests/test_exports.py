@@ -195,3 +195,30 @@ def test_scripts_escape_negative_numbers(tmp_path):
 def test_paths_hold_when_both_ends_are_moved(tmp_path):
     (tmp_path / "a").mkdir()
     assert path_from(tmp_path / "out" / "x", tmp_path / "a" / "b.pdb") == "../../a/b.pdb"
+
+
+def test_a_protein_with_the_same_numbers_stays(hairpin_folder, tmp_path):
+    path = hairpin_folder / "boxb_nochain.pdb.gz"
+    folder, fold = written(path, tmp_path)
+    lines = atoms(gzip.decompress(path.read_bytes()).decode())
+    _, rest = points_and_rest(folder / "whole.pdb")
+    numbers = {f"{number:4d}" for number in fold.hairpin.resid}
+    gone = [s for s in lines if s[17:20].strip() in set("ACGU") and s[22:26] in numbers]
+    assert len(gone) == 167
+    assert rest == [s for s in lines if s not in gone]
+    assert sum(s[17:20].strip() not in set("ACGU") for s in rest) > 300
+
+
+def test_a_universe_is_written_at_its_frame(tmp_path):
+    import MDAnalysis as mda
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        universe = mda.Universe(HAIRPIN)
+    structure = read_structure(universe)
+    (fold,) = le.fold(structure, all_models=False)
+    WholeStructure(structure).write(tmp_path / "whole.pdb", fold)
+    points, rest = points_and_rest(tmp_path / "whole.pdb")
+    assert len(points) == 4
+    expected = [s for s in first_model() if int(s[22:26]) not in (6, 7, 8, 9)]
+    assert [s[12:54] for s in rest] == [s[12:54] for s in expected]

@@ -24,6 +24,7 @@ from loopelastica.molecule._reading import (
     first_line,
     is_pdb,
     open_file,
+    pdb_records,
     quiet,
 )
 from loopelastica.molecule._recognition import recognize
@@ -41,6 +42,8 @@ __all__ = [
     "enumerated",
     "is_pdb",
     "linked",
+    "pdb_records",
+    "quiet",
     "read_structure",
 ]
 
