@@ -22,9 +22,11 @@ _PUBLIC = {
     "Batch": "rod.solve",
     "find_hairpins": "molecule.hairpins",
     "Hairpin": "molecule.hairpins",
+    "Hairpins": "molecule.hairpins",
     "fold": "folding",
     "LoopFold": "folding",
     "Candidate": "rank",
+    "to_dataframe": "table",
     "LoopelasticaError": "errors",
     "StructureError": "errors",
     "MissingDependencyError": "errors",
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from loopelastica.folding import LoopFold as LoopFold
     from loopelastica.folding import fold as fold
     from loopelastica.molecule.hairpins import Hairpin as Hairpin
+    from loopelastica.molecule.hairpins import Hairpins as Hairpins
     from loopelastica.molecule.hairpins import find_hairpins as find_hairpins
     from loopelastica.rank import Candidate as Candidate
     from loopelastica.rod.clamping import Clamping as Clamping
@@ -52,6 +55,7 @@ if TYPE_CHECKING:
     from loopelastica.rod.solve import Batch as Batch
     from loopelastica.rod.solve import solve as solve
     from loopelastica.rod.solve import solve_batch as solve_batch
+    from loopelastica.table import to_dataframe as to_dataframe
 
 
 def __getattr__(name: str) -> Any:

@@ -1,7 +1,7 @@
 """The command line. Heavy modules are imported inside the commands that need them."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -23,6 +23,26 @@ app.add_typer(bench, name="bench")
 
 _Files = Annotated[
     list[Path], typer.Argument(help="PDB or mmCIF files, gzipped or not.", show_default=False)
+]
+_Pairs = Annotated[
+    list[str] | None,
+    typer.Option("--pair", help="A pair known from other data, such as A.12-A.25; repeatable."),
+]
+_Brackets = Annotated[
+    str | None,
+    typer.Option(
+        "--dot-bracket",
+        help="Secondary structure in place of the pairs of the coordinates, all nucleotides of the"
+        " file in their order.",
+    ),
+]
+_Loops = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--loop",
+        help="Only this loop, by its first and last nucleotide, such as A.13-24; repeatable. It may"
+        " be absent from the file, then the numbers tell how many nucleotides it has.",
+    ),
 ]
 
 
@@ -74,21 +94,44 @@ def fold(
     all_models: Annotated[
         bool, typer.Option("--all-models/--first-model", help="Fold every model of the file.")
     ] = True,
+    irregular: Annotated[
+        bool, typer.Option("--irregular", help="Fold loops on stems that are no A or B helix too.")
+    ] = False,
+    pair: _Pairs = None,
+    dot_bracket: _Brackets = None,
+    loop: _Loops = None,
     plot: Annotated[bool, typer.Option(help="Draw plot.png.")] = True,
+    whole: Annotated[
+        bool | None,
+        typer.Option(
+            "--whole/--no-whole",
+            help="Write whole.pdb, the structure with the trace in place; by default up to"
+            " 20,000 atoms.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Fold every hairpin loop of the files; write tables, traces and a picture per hairpin."""
     from tqdm import tqdm
 
     from loopelastica.errors import LoopelasticaError
+    from loopelastica.exports import WHOLE_ATOMS, WholeStructure, one_letter_chains
     from loopelastica.folding import fold as fold_file
+    from loopelastica.listing import remarks
+    from loopelastica.molecule.hairpins import find_hairpins
     from loopelastica.molecule.nucleotides import read_structure
     from loopelastica.output import Folders, write_fold
 
     folders = Folders(out)
+    notes: list[str] = []
     results: list[tuple[str, LoopFold | str, Path | None]] = []
     for file in tqdm(files, disable=len(files) < 2, unit="file", leave=False):
         try:
             structure = read_structure(file)
+            found = find_hairpins(
+                structure, pair=pair or (), dot_bracket=dot_bracket, loop=loop or ()
+            )
+            notes += [f"{file.name}: {sentence}" for sentence in remarks(structure, found)]
             loops = fold_file(
                 structure,
                 free_spin=not darboux,
@@ -98,15 +141,30 @@ def fold(
                 energy_max=energy_max,
                 max_candidates=candidates,
                 all_models=all_models,
+                irregular=irregular,
+                pair=pair or (),
+                dot_bracket=dot_bracket,
+                loop=loop or (),
             )
+            small = len(structure.universe.atoms) <= WHOLE_ATOMS
+            full = (
+                WholeStructure(structure) if loops and (small if whole is None else whole) else None
+            )
+            chains = one_letter_chains(structure.nucleotides.chain.tolist())
+            notes += [
+                f"{file.name}: chain {chain} is {letter} in the PDB files that are written"
+                for chain, letter in chains.items()
+                if chain != letter
+            ]
             if not loops:
                 results.append((file.name, f"{file}: no hairpin loop found; nothing to fold", None))
-            for loop in loops:
+            for folded in loops:
                 folder = None
-                if loop.failure is None:
-                    folder = folders.claim(file, loop)
-                    write_fold(folder, file, loop, structure.nucleotides, plot=plot)
-                results.append((file.name, loop, folder))
+                if folded.failure is None:
+                    folder = folders.claim(file, folded)
+                    write_fold(folder, file, folded, structure, plot=plot, whole=full)
+                notes += [f"{file.name}: {sentence}" for sentence in folded.remarks]
+                results.append((file.name, folded, folder))
         except LoopelasticaError as error:
             results.append((file.name, str(error), None))
         except ValueError as error:
@@ -115,6 +173,8 @@ def fold(
         except OSError as error:
             results.append((file.name, f"{error.filename or file}: {error.strerror}", None))
     _console().print(_fold_table(results))
+    for sentence in notes:
+        typer.echo(f"note: {sentence}")
     failures = [
         result if isinstance(result, str) else f"{name}: {result.failure}"
         for name, result, _ in results
@@ -182,35 +242,74 @@ def _fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> "Ta
 @app.command()
 def hairpins(
     file: Annotated[Path, typer.Argument(help="PDB or mmCIF file.", show_default=False)],
+    pair: _Pairs = None,
+    dot_bracket: _Brackets = None,
+    loop: _Loops = None,
+    json_file: Annotated[
+        Path | None, typer.Option("-o", "--json", help="Write it all to this file as JSON.")
+    ] = None,
 ) -> None:
-    """List the hairpin loops of a file."""
-    from rich.table import Table
-
+    """List the hairpin loops of a file, and its secondary structure in dot-bracket notation."""
     from loopelastica.errors import LoopelasticaError
+    from loopelastica.listing import listing, remarks
     from loopelastica.molecule.hairpins import find_hairpins
+    from loopelastica.molecule.nucleotides import read_structure
+    from loopelastica.output import write_json
 
     try:
-        found = find_hairpins(file)
+        structure = read_structure(file)
+        found = find_hairpins(structure, pair=pair or (), dot_bracket=dot_bracket, loop=loop or ())
+        content = listing(structure, found)
+        if json_file is not None:
+            write_json(json_file, content)
     except LoopelasticaError as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(1) from None
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    except OSError as error:
+        typer.echo(f"{error.filename or json_file}: {error.strerror}", err=True)
+        raise typer.Exit(1) from None
+    if found:
+        _console().print(_hairpins_table(content["hairpins"]))
+    for chain in content["chains"]:
+        typer.echo(f">{chain['chain'] or '_'} {chain['first']}-{chain['last']}")
+        typer.echo(chain["sequence"])
+        typer.echo(chain["dot_bracket"])
+    for sentence in remarks(structure, found):
+        typer.echo(f"note: {sentence}")
+    for hairpin in content["hairpins"]:
+        if hairpin["refusal"]:
+            typer.echo(f"note: {hairpin['refusal']}")
     if not found:
         typer.echo(f"{file}: no hairpin loop found", err=True)
         raise typer.Exit(1)
+
+
+def _hairpins_table(found: "list[dict[str, Any]]") -> "Table":
+    from rich.table import Table
+
     table = Table()
-    for name in ("chain", "closing pair", "sequence", "loop", "kind", "stem pairs", "contacts"):
-        table.add_column(name)
+    for name in ("chain", "closing pair", "sequence", "loop", "kind", "stem pairs"):
+        table.add_column(name, overflow="fold")
+    table.add_column("stem fit (Å)", justify="right")
+    for name in ("contacts", "kisses"):
+        table.add_column(name, overflow="fold")
     for hairpin in found:
+        rms_A, absent = hairpin["stem_rms_A"], hairpin["absent"]
+        fit = "none" if rms_A is None else f"{rms_A:.2f}"
         table.add_row(
-            hairpin.chain or "_",
-            "–".join(hairpin.closing_pair),
-            hairpin.sequence,
-            f"{len(hairpin.loop)} nt",
-            "DNA" if hairpin.is_dna else "RNA",
-            str(len(hairpin.stem_5)),
-            ", ".join("–".join(pair) for pair in hairpin.contacts),
+            hairpin["chain"] or "_",
+            "–".join(hairpin["closing_pair"]),
+            hairpin["sequence"],
+            f"{hairpin['nucleotides']} nt" + (f", {absent} absent" if absent else ""),
+            hairpin["kind"],
+            str(hairpin["stem_pairs"]),
+            fit if hairpin["regular"] else f"{fit}, irregular",
+            ", ".join("–".join(pair) for pair in hairpin["contacts"]),
+            ", ".join(hairpin["kissing"]),
         )
-    _console().print(table)
+    return table
 
 
 @app.command()

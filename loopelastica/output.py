@@ -11,17 +11,27 @@ import math
 import os
 import shutil
 import tempfile
-import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from loopelastica import __version__
-from loopelastica.folding import LoopFold
-from loopelastica.molecule.nucleotides import Nucleotides
+from loopelastica.exports import (
+    WholeStructure,
+    bond_records,
+    one_letter_chains,
+    path_from,
+    point_records,
+    renamed_chains,
+    write_chimerax,
+    write_pymol,
+)
+from loopelastica.folding import LoopFold, stem_rms_A
+from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.molecule.trace import to_file_coordinates
 from loopelastica.rank import Candidate
 from loopelastica.rod.clamping import Array
@@ -68,21 +78,59 @@ def _umask() -> int:
 
 
 def write_fold(
-    path: Path, source: Path, fold: LoopFold, nucleotides: Nucleotides, plot: bool = True
+    path: Path,
+    source: Path,
+    fold: LoopFold,
+    structure: Structure,
+    plot: bool = True,
+    whole: WholeStructure | None = None,
 ) -> None:
-    """Write ranking.csv, ranking.json, traces.pdb, line.csv and plot.png of one folded loop."""
+    """Write the folder of one folded loop.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    source : Path
+        The file that was folded.
+    fold : LoopFold
+        What came out, with at least one candidate.
+    structure : Structure
+        What was read from the file.
+    plot : bool
+        Draw plot.png.
+    whole : WholeStructure, optional
+        Write whole.pdb from it.
+    """
+    letters = one_letter_chains(structure.nucleotides.chain.tolist())
     with whole_folder(path) as part:
         _write_ranking_csv(part / "ranking.csv", fold)
-        (part / "ranking.json").write_text(
-            json.dumps(ranking(source, fold), indent=1, allow_nan=False, ensure_ascii=False) + "\n",
-            encoding="utf-8",
-        )
+        write_json(part / "ranking.json", ranking(source, fold, structure.remarks))
         _write_line(part / "line.csv", fold)
-        _write_traces(part / "traces.pdb", fold, nucleotides)
+        _write_traces(part / "traces.pdb", fold, structure, letters)
+        # a PDB file has no longer chain names: there they are those of segments
+        chain = fold.hairpin.chain
+        seen = "" if is_pdb(source) and len(chain) > 1 else chain
+        write_pymol(part / "view.pml", fold, path_from(path, source), seen)
+        write_chimerax(part / "view.cxc", fold, path_from(path, source), seen, structure.n_models)
+        if whole is not None:
+            whole.write(part / "whole.pdb", fold)
         if plot:
             from loopelastica.plots import plot_fold
 
             plot_fold(fold, part / "plot.png", title=path.name)
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """Write JSON as a whole or not at all."""
+    text = json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def rmsd_summary(candidate: Candidate) -> tuple[float | None, float | None, int]:
@@ -113,7 +161,7 @@ def row(candidate: Candidate) -> dict[str, Any]:
     }
 
 
-def ranking(source: Path, fold: LoopFold) -> dict[str, Any]:
+def ranking(source: Path, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[str, Any]:
     """The content of ranking.json: all that is needed to repeat and to judge the result."""
     if fold.ends is None or fold.clamping is None:
         raise ValueError("`fold` has no candidates to write")
@@ -121,6 +169,7 @@ def ranking(source: Path, fold: LoopFold) -> dict[str, Any]:
     return {
         "program": "loopelastica",
         "version": __version__,
+        "libraries": {name: version(name) for name in ("numpy", "scipy", "numba", "MDAnalysis")},
         "input": {"file": source.name, "sha256": sha256(source)},
         "hairpin": {
             "chain": hairpin.chain,
@@ -129,6 +178,8 @@ def ranking(source: Path, fold: LoopFold) -> dict[str, Any]:
             "sequence": hairpin.sequence,
             "kind": "DNA" if hairpin.is_dna else "RNA",
             "stem_pairs": len(hairpin.stem_5),
+            "contacts": [list(pair) for pair in hairpin.contacts],
+            "kissing": list(hairpin.kissing),
         },
         "parameters": fold.parameters,
         "length": {
@@ -142,6 +193,7 @@ def ranking(source: Path, fold: LoopFold) -> dict[str, Any]:
         "clamp": {
             "from": "ideal strands fitted to each stem strand; no loop atom",
             "fit_rms_A": np.asarray(fold.ends.fit_rms_A).tolist(),
+            "stem_rms_A": stem_rms_A(fold.ends),
             "start_origin_A": np.asarray(fold.ends.start_origin_A).tolist(),
             "start_frame": np.asarray(fold.ends.start_frame).tolist(),
             "end_origin_A": np.asarray(fold.ends.end_origin_A).tolist(),
@@ -149,6 +201,7 @@ def ranking(source: Path, fold: LoopFold) -> dict[str, Any]:
             "clamping_parameters": fold.clamping.parameters.tolist(),
         },
         "unseen": fold.unseen,
+        "remarks": [*remarks, *fold.remarks],
         "model_failures": list(fold.model_failures),
         "candidates": [
             {
@@ -188,8 +241,26 @@ def line(fold: LoopFold, candidate: Candidate, n: int = LINE_POINTS) -> dict[str
     }
 
 
+def record(fold: LoopFold, candidate: Candidate) -> dict[str, Any]:
+    """A candidate with the loop it belongs to: one line of ranking.csv and of a data frame."""
+    return {**loop_record(fold), **row(candidate)}
+
+
+def loop_record(fold: LoopFold) -> dict[str, Any]:
+    """The columns that name a loop."""
+    hairpin = fold.hairpin
+    return {
+        "chain": hairpin.chain,
+        "loop": hairpin.name,
+        "closing_5": hairpin.closing_pair[0],
+        "closing_3": hairpin.closing_pair[1],
+        "sequence": hairpin.sequence,
+        "stem_rms_A": None if fold.ends is None else stem_rms_A(fold.ends),
+    }
+
+
 def _write_ranking_csv(path: Path, fold: LoopFold) -> None:
-    rows = [row(c) for c in fold.candidates]
+    rows = [record(fold, c) for c in fold.candidates]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
         writer.writeheader()
@@ -208,34 +279,15 @@ def _write_line(path: Path, fold: LoopFold) -> None:
             writer.writerows([candidate.rank, *(f"{v:.9g}" for v in values)] for values in table)
 
 
-def _write_traces(path: Path, fold: LoopFold, nucleotides: Nucleotides) -> None:
-    """One MODEL per candidate: a pseudo-atom CEN per nucleotide, its energy rank as B factor."""
-    import MDAnalysis as mda
-
-    loop = fold.hairpin.loop
-    n = len(loop)
-    with warnings.catch_warnings():
-        # what a PDB may hold and this one does not (cell, charges) is not worth a warning
-        warnings.simplefilter("ignore")
-        universe = mda.Universe.empty(n, n_residues=n, atom_resindex=np.arange(n), trajectory=True)
-        for name, values in {
-            "name": ["CEN"] * n,
-            "element": ["X"] * n,
-            "type": ["X"] * n,
-            "record_types": ["ATOM"] * n,
-            "altLoc": [""] * n,
-            "occupancy": np.ones(n),
-            "tempfactors": np.zeros(n),
-            "chainIDs": [fold.hairpin.chain[:1]] * n,
-            "resname": list(nucleotides.resname[loop]),
-            "resid": np.asarray(nucleotides.resid[loop]),
-            "icode": list(nucleotides.icode[loop]),
-            "segid": [fold.hairpin.chain],
-            "bonds": [(i, i + 1) for i in range(n - 1)],
-        }.items():
-            universe.add_TopologyAttr(name, values)
-        with mda.Writer(str(path), n_atoms=n, multiframe=True, bonds="all") as writer:
-            for candidate in fold.candidates:
-                universe.atoms.positions = candidate.trace
-                universe.atoms.tempfactors = np.full(n, float(candidate.rank))
-                writer.write(universe.atoms)
+def _write_traces(
+    path: Path, fold: LoopFold, structure: Structure, letters: dict[str, str]
+) -> None:
+    """One MODEL per candidate: a point CEN per nucleotide, its energy rank as B factor."""
+    chain, n = letters[fold.hairpin.chain], len(fold.hairpin)
+    lines = renamed_chains({fold.hairpin.chain: chain})
+    for candidate in fold.candidates:
+        lines.append(f"MODEL     {candidate.rank:4d}")
+        lines += point_records(fold, structure, candidate.trace, chain, candidate.rank, 1)
+        lines.append("ENDMDL")
+    lines += [*bond_records(1, n), "END"]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

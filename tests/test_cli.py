@@ -33,7 +33,10 @@ def folded(tmp_path_factory):
 def test_fold_writes_one_folder_per_hairpin(folded):
     folder, result = folded
     names = {p.name for p in folder.iterdir()}
-    assert names == {"ranking.csv", "ranking.json", "traces.pdb", "line.csv", "plot.png"}
+    assert names == {
+        *("ranking.csv", "ranking.json", "traces.pdb", "line.csv", "plot.png"),
+        *("whole.pdb", "view.pml", "view.cxc"),
+    }
     assert [p.name for p in folder.parent.iterdir()] == ["2koc_A6-9"]
     assert "CUUCGG" in result.output
 
@@ -160,11 +163,96 @@ def test_a_bad_file_in_a_batch_is_a_row_and_the_others_are_folded(tmp_path):
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["2koc_A6-9", "2koc_A6-9_2"]
 
 
-def test_hairpins_lists_the_loop():
+def test_hairpins_lists_the_loop_and_the_secondary_structure():
     result = run("hairpins", HAIRPIN)
     assert result.exit_code == 0
     assert "A.C5–A.G10" in result.output
+    assert ">A 1-14\nGGCACUUCGGUGCC\n(((((....)))))\n" in result.output
     assert run("hairpins", "absent.pdb").exit_code == 1
+
+
+@pytest.mark.parametrize("option", ["--json", "-o"])
+def test_hairpins_writes_json(tmp_path, option):
+    path = tmp_path / "new" / "hairpins.json"
+    assert run("hairpins", HAIRPIN, option, path).exit_code == 0
+    content = json.loads(path.read_text())
+    assert content["input"]["sha256"] == hashlib.sha256(HAIRPIN.read_bytes()).hexdigest()
+    assert content["input"]["models"] == 20
+    (hairpin,) = content["hairpins"]
+    assert (hairpin["name"], hairpin["nucleotides"], hairpin["absent"]) == ("A6-9", 4, 0)
+    assert 0.4 < hairpin["stem_rms_A"] < 0.6
+    assert hairpin["regular"] is True
+    assert content["chains"][0]["dot_bracket"] == "(((((....)))))"
+    assert [p.name for p in path.parent.iterdir()] == ["hairpins.json"]
+
+
+def test_hairpins_takes_pairs_brackets_and_loops_from_the_user():
+    assert "UUCG " in run("hairpins", HAIRPIN, "--pair", "A.6-A.9").output
+    assert "ACUUCGGU" in run("hairpins", HAIRPIN, "--dot-bracket", "((((......))))").output
+    assert "UUCG " in run("hairpins", HAIRPIN, "--loop", "A.7-8").output
+    result = run("hairpins", HAIRPIN, "--pair", "A.5")
+    assert result.exit_code == 2
+    assert "`pair`" in result.stderr
+    result = run("hairpins", HAIRPIN, "--loop", "A.60-70")
+    assert result.exit_code == 1
+    assert result.stderr.count("\n") == 1
+    assert "2koc.pdb" in result.stderr
+
+
+def test_hairpins_names_what_is_odd(hairpin_folder):
+    result = run("hairpins", hairpin_folder / "1rnk.pdb.gz")
+    assert result.exit_code == 1
+    assert "A.C5–A.G15: a pseudoknot" in result.output
+    assert "(((((..[[[[[[.)))))........]]]]]]." in result.output
+    assert "no hairpin loop found" in result.stderr
+    result = run("hairpins", hairpin_folder / "1y26.pdb.gz")
+    assert "X31-39 kisses X60-66" in result.output
+    result = run("hairpins", hairpin_folder / "1ehz.cif.gz")
+    assert "A.2MG10 (G), A.H2U16 (U)" in result.output
+    assert "A.5MC40" in result.output
+    result = run("hairpins", hairpin_folder / "1msy.pdb.gz")
+    assert "alternative locations in 2 nucleotide(s)" in result.output
+    assert "A.G2663 B" in result.output
+    assert "irregular" in run("hairpins", hairpin_folder / "1d16.pdb.gz").output
+
+
+def test_an_irregular_stem_is_folded_on_request_only(hairpin_folder, tmp_path):
+    path, out = hairpin_folder / "1d16.pdb.gz", tmp_path / "out"
+    result = run("fold", path, "-o", out, "--no-plot")
+    assert result.exit_code == 1
+    assert "1.56 Å" in result.stderr
+    assert not out.exists()
+    result = run("fold", path, "-o", out, "--no-plot", "--irregular")
+    assert result.exit_code == 0
+    assert "means little" in result.output
+    content = json.loads((out / "1d16_A7-10" / "ranking.json").read_text())
+    assert content["clamp"]["stem_rms_A"] == pytest.approx(1.56, abs=0.01)
+    assert content["parameters"]["irregular"] is True
+
+
+def test_a_loop_absent_from_the_file_is_folded_when_it_is_named(tmp_path):
+    lines = HAIRPIN.read_text().split("ENDMDL")[0].splitlines()
+    path = tmp_path / "absent.pdb"
+    path.write_text("\n".join(s for s in lines if s[22:26].strip() not in {"6", "7", "8", "9"}))
+    out = tmp_path / "out"
+    result = run("fold", path, "-o", out, "--no-plot")
+    assert result.exit_code == 1
+    assert "`loop` A.6-9 folds it" in result.output
+    result = run("fold", path, "-o", out, "--loop", "A.6-9")
+    assert result.exit_code == 0, result.output
+    folder = out / "absent_A6-9"
+    with (folder / "ranking.csv").open() as file:
+        row = next(csv.DictReader(file))
+    assert (row["sequence"], row["rmsd_A"]) == ("CNNNNG", "")
+    trace = (folder / "traces.pdb").read_text().split("ENDMDL")[0]
+    assert trace.count("CEN   N A") == 4
+    assert "NaN" not in (folder / "ranking.json").read_text()
+
+
+def test_the_whole_structure_is_the_users_choice(tmp_path):
+    result = run("fold", HAIRPIN, "-o", tmp_path, "--no-plot", "--no-whole", "--first-model")
+    assert result.exit_code == 0
+    assert not (tmp_path / "2koc_A6-9" / "whole.pdb").exists()
 
 
 def test_solve_prints_equilibria_or_one_sentence():

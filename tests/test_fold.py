@@ -1,6 +1,7 @@
 """The whole road on real hairpins."""
 
 import json
+import re
 import warnings
 
 import numpy as np
@@ -151,3 +152,47 @@ def test_results_can_be_kept_as_json(loop):
     rod = loop.candidates[0].rod
     again = le.Equilibrium.from_dict(json.loads(json.dumps(rod.to_dict())))
     np.testing.assert_array_equal(again.loads, rod.loads)
+
+
+def test_the_users_word_moves_the_clamp():
+    (moved,) = le.fold(HAIRPIN, all_models=False, pair="A.6-A.8")
+    assert moved.hairpin.residues == ("A.U7",)
+    assert moved.parameters["pair"] == ["A.6-A.8"]
+    assert "no rod fits" in moved.failure
+    (wider,) = le.fold(HAIRPIN, all_models=False, dot_bracket="((((......))))")
+    assert wider.candidates[0].trace.shape == (6, 3)
+
+
+def test_a_model_that_lacks_a_loop_is_folded_but_not_compared(tmp_path):
+    first, second = re.split(r"ENDMDL *\n", HAIRPIN.read_text())[:2]
+    kept = [s for s in second.splitlines() if s[12:26] != " P     C A   8"]
+    path = tmp_path / "unequal.pdb"
+    path.write_text(first + "ENDMDL\n" + "\n".join(kept) + "\nENDMDL\nEND\n")
+    (unequal,) = le.fold(path)
+    rmsd_A = unequal.candidates[0].rmsd_models_A
+    assert np.isfinite(rmsd_A).tolist() == [True, False]
+    assert unequal.model_failures == ()
+
+
+def test_a_loop_with_a_missing_atom_is_folded_but_not_compared(tmp_path, loop):
+    lines = HAIRPIN.read_text().split("ENDMDL")[0].splitlines()
+    path = tmp_path / "missing.pdb"
+    path.write_text("\n".join(s for s in lines if s[12:26] != " P     C A   8"))
+    (folded,) = le.fold(path)
+    np.testing.assert_array_equal(folded.candidates[0].trace, loop.candidates[0].trace)
+    assert folded.candidates[0].rmsd_A is None
+    assert "lacks backbone atoms" in folded.remarks[0]
+
+
+def test_missing_stem_atoms_cost_one_loop_and_not_the_others(hairpin_folder, tmp_path):
+    import gzip
+
+    lines = gzip.decompress((hairpin_folder / "1k2g.pdb.gz").read_bytes()).decode().splitlines()
+    kept = [
+        s for s in lines if not (s[22:26] == "   5" and s[12:16].strip() in {"P", "O5'", "C5'"})
+    ]
+    path = tmp_path / "missing.pdb"
+    path.write_text("\n".join(kept))
+    first, second = le.fold(path)
+    assert first.failure == "A.C5: no P, O5' and C5' atoms; its stem frame cannot be placed"
+    assert second.failure is None

@@ -14,6 +14,7 @@ import io
 import lzma
 import warnings
 import zlib
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,6 +29,7 @@ _OPENERS: dict[str, Any] = {".gz": gzip.open, ".bz2": bz2.open}
 _PDB = (".pdb", ".ent")
 _MMCIF = (".cif", ".mmcif")
 _COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))  # PDB format 3.3, columns 31-54
+_NAMES = slice(12, 20)  # atom name, altloc, residue name: copies of a chain have these in common
 _IDENTITY = slice(12, 27)  # atom name, altloc, residue name, chain, number, insertion code
 
 
@@ -127,6 +129,22 @@ def open_file(path: Path) -> tuple[Any, Frames]:
     return universe, TrajectoryFrames(universe)
 
 
+def pdb_records(path: Path) -> list[str]:
+    """Lines of the first model of a PDB file as they are: atoms, ANISOU and TER, and CRYST1."""
+    records: list[str] = []
+    for line in _bytes(path).decode("utf-8", errors="replace").splitlines():
+        if line.startswith("ENDMDL"):
+            break
+        if line.lstrip().startswith(("ATOM  ", "HETATM", "ANISOU", "TER", "CRYST1")):
+            records.append(line.lstrip())
+    return records
+
+
+def is_pdb(path: Path) -> bool:
+    """Whether a file is in PDB format, by its name."""
+    return _kind(path) in _PDB
+
+
 def first_line(error: BaseException) -> str:
     """Return what an exception says, as one clause."""
     text = str(error).strip() or type(error).__name__
@@ -190,7 +208,8 @@ class _Model:
 def _open_pdb(path: Path, text: str) -> tuple[Any, Frames]:
     models = _scan_pdb(path, text)
     sizes = {len(model.lines) for model in models}
-    if len(sizes) == 1 and not any(model.indented for model in models):
+    alike = len(sizes) == 1 and _in_one_order(models)
+    if alike and not any(model.indented for model in models):
         universe = _universe(path, str(path))
         return universe, TrajectoryFrames(universe)
     if len(models) > 1 and not models[-1].closed:
@@ -202,9 +221,9 @@ def _open_pdb(path: Path, text: str) -> tuple[Any, Frames]:
 
     stream = NamedStream(io.StringIO("\n".join([*models[0].lines, "END", ""])), f"{path.name}.pdb")
     universe = _universe(path, stream, format="PDB", topology_format="PDB")
-    order = {line[_IDENTITY]: row for row, line in enumerate(models[0].lines)}
+    order = {key: row for row, key in enumerate(_identities(models[0].lines))}
     tables = tuple(_matched(model.lines, order, len(universe.atoms)) for model in models)
-    return universe, TableFrames(tables, complete=len(sizes) == 1)
+    return universe, TableFrames(tables, complete=alike)
 
 
 def _scan_pdb(path: Path, text: str) -> list[_Model]:
@@ -237,11 +256,28 @@ def _scan_pdb(path: Path, text: str) -> list[_Model]:
     return models
 
 
-def _matched(lines: list[str], order: dict[str, int], n_atoms: int) -> NDArray[np.float64]:
+def _in_one_order(models: list[_Model]) -> bool:
+    """Whether all models name the same atoms in the same order, as MDAnalysis takes for granted."""
+    first = [line[_NAMES] for line in models[0].lines]
+    return all([line[_NAMES] for line in model.lines] == first for model in models[1:])
+
+
+def _identities(lines: list[str]) -> Iterator[tuple[str, int]]:
+    """What names an atom, and how often it came before: without chains two atoms share a name."""
+    seen: Counter[str] = Counter()
+    for line in lines:
+        identity = line[_IDENTITY]
+        yield identity, seen[identity]
+        seen[identity] += 1
+
+
+def _matched(
+    lines: list[str], order: dict[tuple[str, int], int], n_atoms: int
+) -> NDArray[np.float64]:
     """Positions of one model in the atom order of the first; NaN where it lacks an atom."""
     positions = np.full((n_atoms, 3), np.nan)
-    for line in lines:
-        row = order.get(line[_IDENTITY])
+    for line, key in zip(lines, _identities(lines), strict=True):
+        row = order.get(key)
         if row is not None:
             positions[row] = [float(line[part]) for part in _COORDINATES]
     return positions

@@ -65,6 +65,7 @@ def recognize(universe: Any) -> Nucleotides:
         resname=_strings(residues, "resnames")[once],
         letter=_letters(table, is_dna),
         is_dna=is_dna,
+        altloc=_taken(altloc, table),
         atom_index=table,
     )
 
@@ -114,6 +115,13 @@ def _index_table(
         index = np.flatnonzero(chosen & (column >= 0))[::-1]
         table[residue_of[index], column[index]] = index
     return table
+
+
+def _taken(altloc: NDArray[np.str_], table: NDArray[np.int64]) -> NDArray[np.str_]:
+    """Alternative location of the atoms in the table, "" where none of a nucleotide has one."""
+    letters = np.where(table >= 0, altloc[table], "")
+    first = np.argmax(letters != "", axis=1)
+    return np.asarray(letters[np.arange(len(table)), first], dtype=np.str_)
 
 
 def _chains(atoms: Any, residues: Any, table: NDArray[np.int64]) -> NDArray[np.str_]:

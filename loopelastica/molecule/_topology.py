@@ -64,6 +64,8 @@ class Nucleotides:
         Parent base read from the atoms: A, C, G, U, T; "N" where the base is missing.
     is_dna : (n,) array of bool
         True where the sugar carries nothing at C2'.
+    altloc : (n,) array of str
+        Alternative location that was taken; "" where the file has one location only.
     atom_index : (n, k) array of int
         Index among all atoms of the structure for each of ``ATOM_NAMES``; −1 where missing.
     """
@@ -74,6 +76,7 @@ class Nucleotides:
     resname: NDArray[np.str_]
     letter: NDArray[np.str_]
     is_dna: NDArray[np.bool_]
+    altloc: NDArray[np.str_]
     atom_index: NDArray[np.int64]
 
     def __post_init__(self) -> None:

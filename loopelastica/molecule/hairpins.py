@@ -4,43 +4,48 @@ A hairpin loop is the single strand between the two nucleotides of a canonical p
 chain with no canonical pair of its own. Pairs of loop nucleotides with others far away (kissing
 loops, tertiary contacts) are allowed and listed, for they bend the loop and no stem tells of them.
 
-Left out are loops of unknown length (nucleotides missing in the file), isolated pairs from which no
-stem goes on, and pseudoknots: there a strand of the loop is itself half of a helix.
+Left out are loops with nucleotides missing in the file, isolated pairs from which no stem goes on,
+and pseudoknots: there a strand of the loop is itself half of a helix. What is left out for what the
+file shows is told in :attr:`Hairpins.remarks`; a user who names the loop gets it all the same.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica.errors import StructureError
+from loopelastica.molecule._loops import asked_loop, closing_pairs, pairs_of, stem_length
 from loopelastica.molecule.nucleotides import (
     Nucleotides,
     Structure,
-    atom_positions,
+    enumerated,
     linked,
     read_structure,
 )
 from loopelastica.molecule.pairs import MIN_LOOP, canonical_pairs, dot_bracket
+from loopelastica.molecule.selection import (
+    Place,
+    as_texts,
+    asked_pairs,
+    bracket_pairs,
+    ends_of,
+)
 
 __all__ = [
     "MAX_LOOP",
     "MIN_LOOP",
     "Hairpin",
+    "Hairpins",
     "canonical_pairs",
     "dot_bracket",
     "find_hairpins",
     "hairpins_of",
 ]
-
-BESIDE_MAX_A: Final = 12.5
-"""Longest C1'–C1' distance of two nucleotides that face each other in a helix of any pairs. Next to
-an isolated closing pair 8.7–11.2 Å are found where a stem of mispairs goes on, 13–22 Å where a
-tertiary pair merely meets a turn of the chain."""
-MIN_HELIX: Final = 3
-"""Pairs in a row that make a pseudoknot of a contact."""
 
 MAX_LOOP: Final = 30
 
@@ -65,8 +70,14 @@ class Hairpin:
         Whether most of the stem is DNA, for the stem decides the ideal strand.
     contacts : tuple of (str, str)
         Canonical pairs of loop nucleotides with nucleotides outside: loop label, other label.
+    kissing : tuple of str
+        Names of the hairpin loops that this one pairs with.
     loop : (n,) array of int
-        Loop nucleotides 5' to 3'.
+        Loop nucleotides 5' to 3'; −1 where one is absent from the file.
+    resid : (n,) array of int
+        Their residue numbers.
+    icode : (n,) array of str
+        Their insertion codes or "".
     stem_5, stem_3 : (n_pairs,) array of int
         The two strands of the stem outwards from the closing pair; `stem_5[k]` pairs `stem_3[k]`.
     """
@@ -78,13 +89,16 @@ class Hairpin:
     sequence: str
     is_dna: bool
     contacts: tuple[tuple[str, str], ...]
+    kissing: tuple[str, ...]
     loop: NDArray[np.int64]
+    resid: NDArray[np.int64]
+    icode: NDArray[np.str_]
     stem_5: NDArray[np.int64]
     stem_3: NDArray[np.int64]
 
     def __post_init__(self) -> None:
-        for rows in (self.loop, self.stem_5, self.stem_3):
-            rows.setflags(write=False)
+        for values in (self.loop, self.resid, self.icode, self.stem_5, self.stem_3):
+            values.setflags(write=False)
 
     def __len__(self) -> int:
         """Return the number of loop nucleotides."""
@@ -96,9 +110,36 @@ class Hairpin:
         return len(self.stem_5)
 
 
+class Hairpins(list[Hairpin]):
+    """The hairpins of one model, in the order of the file.
+
+    Attributes
+    ----------
+    dot_bracket : str
+        Secondary structure, a character per nucleotide of the structure.
+    remarks : tuple of str
+        One sentence for each loop that was left out, asked for, or pairs with another one.
+    """
+
+    __slots__ = ("dot_bracket", "remarks")
+
+    def __init__(
+        self, hairpins: Iterable[Hairpin], dot_bracket: str, remarks: Iterable[str]
+    ) -> None:
+        super().__init__(hairpins)
+        self.dot_bracket = dot_bracket
+        self.remarks = tuple(remarks)
+
+
 def find_hairpins(
-    source: Any, *, min_loop: int = MIN_LOOP, max_loop: int = MAX_LOOP
-) -> list[Hairpin]:
+    source: Any,
+    *,
+    min_loop: int = MIN_LOOP,
+    max_loop: int = MAX_LOOP,
+    pair: str | Sequence[str] = (),
+    dot_bracket: str | None = None,
+    loop: str | Sequence[str] = (),
+) -> Hairpins:
     """Hairpin loops of the first model of a file, a Universe or a Structure.
 
     Parameters
@@ -107,11 +148,29 @@ def find_hairpins(
         Where to look.
     min_loop, max_loop : int
         Fewest and most loop nucleotides.
+    pair : str or sequence of str
+        Pairs known from other data, such as "A.12-A.25", beside those of the coordinates. They hold
+        at any loop length and without a stem that goes on.
+    dot_bracket : str, optional
+        Secondary structure in place of the pairs of the coordinates: a character per nucleotide in
+        the order of the file.
+    loop : str or sequence of str
+        First and last nucleotide of the loops that are wanted, such as "A.13-24"; then only these
+        are given. Their neighbours 12 and 25 close them, whatever they pair with, and must be in
+        the file. Where loop nucleotides are absent from the file, the numbers tell how many there
+        are.
+
+    Returns
+    -------
+    Hairpins
+        A list of :class:`Hairpin`, with `dot_bracket` and `remarks`.
 
     Raises
     ------
     StructureError
-        If the structure cannot be read or has no nucleotide.
+        If the structure cannot be read, has no nucleotide, or not the ones named.
+    ValueError
+        If an argument cannot be understood.
 
     Examples
     --------
@@ -121,9 +180,22 @@ def find_hairpins(
     A6-9 CUUCGG ('A.C5', 'A.G10') 5
     """
     structure: Structure = read_structure(source)
-    return hairpins_of(
-        structure.nucleotides, structure.positions(0), min_loop=min_loop, max_loop=max_loop
-    )
+    try:
+        return hairpins_of(
+            structure.nucleotides,
+            structure.positions(0),
+            min_loop=min_loop,
+            max_loop=max_loop,
+            pair=pair,
+            dot_bracket=dot_bracket,
+            loop=loop,
+        )
+    except StructureError as error:
+        where = structure.source or structure.name
+        sentence = str(error)
+        raise StructureError(
+            sentence if sentence.startswith(where) else f"{where}: {sentence}"
+        ) from None
 
 
 def hairpins_of(
@@ -132,71 +204,94 @@ def hairpins_of(
     *,
     min_loop: int = MIN_LOOP,
     max_loop: int = MAX_LOOP,
-) -> list[Hairpin]:
+    pair: str | Sequence[str] = (),
+    dot_bracket: str | None = None,
+    loop: str | Sequence[str] = (),
+) -> Hairpins:
     """Hairpin loops of one model, in the order of the file; see :func:`find_hairpins`."""
     if not 1 <= min_loop <= max_loop:
         raise ValueError(f"`min_loop` is {min_loop}, not between 1 and `max_loop` = {max_loop}")
-    pairs = canonical_pairs(nucleotides, positions)
-    joined = linked(nucleotides, positions)
+    wanted = [ends_of(nucleotides, "loop", text) for text in as_texts(loop)]
+    if dot_bracket is None:
+        pairs, told = canonical_pairs(nucleotides, positions), set[tuple[int, int]]()
+    else:
+        pairs = bracket_pairs(nucleotides, dot_bracket)
+        told = {(i, j) for i, j in pairs.tolist()}
     partner = np.full(len(nucleotides), -1, dtype=np.int64)
     partner[pairs[:, 0]], partner[pairs[:, 1]] = pairs[:, 1], pairs[:, 0]
-    c1 = atom_positions(nucleotides, positions, ("C1'",))[:, 0]
-    closing = [
-        (i, j)
-        for i, j in pairs.tolist()
-        # A gap in the chain means missing nucleotides: the length of the loop is then unknown.
-        if min_loop <= j - i - 1 <= max_loop
-        and joined[i:j].all()
-        and not _holds_a_pair(partner, i, j)
-        and (_stem_length(partner, joined, i, j) > 1 or _stem_goes_on(c1, joined, i, j))
+    for i, j in asked_pairs(nucleotides, as_texts(pair)):
+        former = partner[[i, j]]
+        partner[former[former >= 0]] = -1
+        partner[i], partner[j] = j, i
+        told.add((i, j))
+    joined = linked(nucleotides, positions)
+    if wanted:
+        return _asked(nucleotides, partner, joined, wanted)
+    return _found(nucleotides, positions, partner, joined, told, min_loop, max_loop)
+
+
+def _found(
+    nucleotides: Nucleotides,
+    positions: NDArray[np.float64],
+    partner: NDArray[np.int64],
+    joined: NDArray[np.bool_],
+    told: set[tuple[int, int]],
+    min_loop: int,
+    max_loop: int,
+) -> Hairpins:
+    """Loops that the pairs close; pairs `told` by the user close one at any length."""
+    kept, remarks = closing_pairs(nucleotides, positions, partner, joined, told, min_loop, max_loop)
+    loop_of = {row: (i, j) for i, j in kept for row in range(i + 1, j)}
+    hairpins = [
+        _hairpin(nucleotides, partner, joined, i, j, np.arange(i + 1, j), loop_of) for i, j in kept
     ]
-    return [
-        _hairpin(nucleotides, partner, joined, i, j)
-        for i, j in closing
-        if not _pseudoknotted(partner, closing, i, j)
-    ]
+    told_of: set[str] = set()
+    for hairpin in hairpins:
+        # Of two loops that kiss, the first one tells.
+        if not told_of.issuperset(hairpin.kissing) or not hairpin.kissing:
+            remarks += _contacts(hairpin)
+        told_of.add(hairpin.name)
+    return Hairpins(hairpins, dot_bracket(len(nucleotides), np.array(pairs_of(partner))), remarks)
 
 
-def _holds_a_pair(partner: NDArray[np.int64], i: int, j: int) -> bool:
-    """Whether two loop nucleotides pair each other."""
-    inside = partner[i + 1 : j]
-    return bool(((inside > i) & (inside < j)).any())
+def _asked(
+    nucleotides: Nucleotides,
+    partner: NDArray[np.int64],
+    joined: NDArray[np.bool_],
+    wanted: list[tuple[Place, Place]],
+) -> Hairpins:
+    """Loops that the user names by their first and last nucleotide."""
+    hairpins, remarks = [], []
+    for first, last in wanted:
+        i, j, loop = asked_loop(nucleotides, joined, first, last)
+        hairpin = _hairpin(nucleotides, partner, joined, i, j, loop, {})
+        hairpins.append(hairpin)
+        absent = int((loop < 0).sum())
+        if absent:
+            remarks.append(
+                f"{hairpin.name}: {absent} of its {len(loop)} nucleotides are not in the file,"
+                " their number is taken from the residue numbers"
+            )
+        if partner[i] != j:
+            remarks.append(
+                f"{hairpin.name}: {'–'.join(hairpin.closing_pair)} is no pair by the coordinates,"
+                " the loop is clamped there as asked"
+            )
+        remarks += _contacts(hairpin)
+    return Hairpins(hairpins, dot_bracket(len(nucleotides), np.array(pairs_of(partner))), remarks)
 
 
-def _stem_length(partner: NDArray[np.int64], joined: NDArray[np.bool_], i: int, j: int) -> int:
-    """Pairs (i − k, j + k) in a row, both strands unbroken."""
-    n = 1
-    while i - n >= 0 and partner[i - n] == j + n and joined[i - n] and joined[j + n - 1]:
-        n += 1
-    return n
+def _contacts(hairpin: Hairpin) -> Iterator[str]:
+    """Say that a loop pairs with something else, which its stem does not tell."""
+    if hairpin.contacts:
+        pairs = enumerated(["–".join(pair) for pair in hairpin.contacts])
+        what = f"kisses {' and '.join(hairpin.kissing)}" if hairpin.kissing else "pairs outside"
+        yield f"{hairpin.name} {what} ({pairs})"
 
 
-def _stem_goes_on(c1: NDArray[np.float64], joined: NDArray[np.bool_], i: int, j: int) -> bool:
-    """Whether the strands run on side by side outside an isolated pair, one bulge allowed."""
-    for a, b in ((1, 1), (1, 2), (2, 1)):
-        if i - a < 0 or j + b >= len(c1):
-            continue
-        unbroken = joined[i - a : i].all() and joined[j : j + b].all()
-        if unbroken and np.linalg.norm(c1[i - a] - c1[j + b]) <= BESIDE_MAX_A:
-            return True
-    return False
-
-
-def _pseudoknotted(
-    partner: NDArray[np.int64], closing: list[tuple[int, int]], i: int, j: int
-) -> bool:
-    """Whether a strand of the loop forms a helix with anything but another hairpin loop."""
-    run = 0
-    for k in range(i + 1, j):
-        other = int(partner[k])
-        kissing = any(a < other < b and (b < i or j < a) for a, b in closing)
-        if other < 0 or kissing:
-            run = 0
-            continue
-        run = run + 1 if run and partner[k - 1] == other + 1 else 1
-        if run >= MIN_HELIX:
-            return True
-    return False
+def _loop_name(nucleotides: Nucleotides, i: int, j: int) -> str:
+    chain = str(nucleotides.chain[i]) or "_"
+    return f"{chain}{nucleotides.number(i + 1)}-{nucleotides.number(j - 1)}"
 
 
 def _hairpin(
@@ -205,22 +300,36 @@ def _hairpin(
     joined: NDArray[np.bool_],
     i: int,
     j: int,
+    loop: NDArray[np.int64],
+    loop_of: dict[int, tuple[int, int]],
 ) -> Hairpin:
-    n_pairs = _stem_length(partner, joined, i, j)
-    loop = np.arange(i + 1, j)
+    """The hairpin closed by rows i and j; `loop_of` tells the closing rows of each loop row."""
+    n_pairs = stem_length(partner, joined, i, j)
     stem_5, stem_3 = i - np.arange(n_pairs), j + np.arange(n_pairs)
     label, chain = nucleotides.label, str(nucleotides.chain[i])
+    prefix = f"{chain}." if chain else ""
+    resid, icode = nucleotides.resid[loop], nucleotides.icode[loop]
+    if (loop < 0).any():
+        # Without insertion codes: the numbers go on from the 5' closing nucleotide.
+        resid, icode = nucleotides.resid[i] + 1 + np.arange(len(loop)), np.full(len(loop), "")
+    outside = {int(k): int(partner[k]) for k in loop if k >= 0 and partner[k] >= 0}
+    outside = {k: other for k, other in outside.items() if other not in set(loop.tolist())}
+    kissed = {loop_of[other] for other in outside.values() if other in loop_of}
     return Hairpin(
         chain=chain,
-        name=f"{chain or '_'}{nucleotides.number(i + 1)}-{nucleotides.number(j - 1)}",
+        name=f"{chain or '_'}{resid[0]}{icode[0]}-{resid[-1]}{icode[-1]}",
         closing_pair=(label(i), label(j)),
-        residues=tuple(label(k) for k in range(i + 1, j)),
-        sequence="".join(nucleotides.letter[i : j + 1]),
-        is_dna=bool(nucleotides.is_dna[np.concatenate([stem_5, stem_3])].mean() > 0.5),
-        contacts=tuple(
-            (label(k), label(int(partner[k]))) for k in range(i + 1, j) if partner[k] >= 0
+        residues=tuple(
+            label(k) if k >= 0 else f"{prefix}N{number}"
+            for k, number in zip(loop.tolist(), resid, strict=True)
         ),
+        sequence="".join(nucleotides.letter[k] if k >= 0 else "N" for k in (i, *loop, j)),
+        is_dna=bool(nucleotides.is_dna[np.concatenate([stem_5, stem_3])].mean() > 0.5),
+        contacts=tuple((label(k), label(other)) for k, other in outside.items()),
+        kissing=tuple(_loop_name(nucleotides, *ends) for ends in sorted(kissed)),
         loop=loop,
+        resid=resid,
+        icode=icode,
         stem_5=stem_5,
         stem_3=stem_3,
     )

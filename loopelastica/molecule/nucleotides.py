@@ -18,7 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica.errors import StructureError
-from loopelastica.molecule._reading import Frames, TrajectoryFrames, first_line, open_file, quiet
+from loopelastica.molecule._reading import (
+    Frames,
+    TrajectoryFrames,
+    first_line,
+    is_pdb,
+    open_file,
+    pdb_records,
+    quiet,
+)
 from loopelastica.molecule._recognition import recognize
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
 
@@ -30,7 +38,12 @@ __all__ = [
     "Structure",
     "atom_positions",
     "centroids",
+    "centroids_at",
+    "enumerated",
+    "is_pdb",
     "linked",
+    "pdb_records",
+    "quiet",
     "read_structure",
 ]
 
@@ -55,12 +68,15 @@ class Structure:
         Table of the nucleotides, the same for every model.
     universe : MDAnalysis.Universe
         All atoms; `nucleotides.atom_index` counts in them.
+    remarks : tuple of str
+        One sentence for each choice made in reading that a user should know of.
     """
 
     name: str
     source: str | None
     nucleotides: Nucleotides
     universe: Any = field(repr=False)
+    remarks: tuple[str, ...]
     _frames: Frames = field(repr=False)
 
     @property
@@ -144,9 +160,33 @@ def read_structure(source: Any) -> Structure:
         raise StructureError(
             f"{where or name}: no nucleotide found among {len(universe.residues)} residues"
         )
-    structure = Structure(name, where, nucleotides, universe, frames)
+    remarks = tuple(_remarks(nucleotides, frames))
+    structure = Structure(name, where, nucleotides, universe, remarks, frames)
     structure.positions(0)
     return structure
+
+
+def _remarks(nucleotides: Nucleotides, frames: Frames) -> Iterator[str]:
+    """Sentences on what was chosen where the file leaves a choice."""
+    rows = np.flatnonzero(nucleotides.altloc != "")
+    if len(rows):
+        taken = [f"{nucleotides.label(int(row))} {nucleotides.altloc[row]}" for row in rows]
+        yield (
+            f"alternative locations in {len(rows)} nucleotide(s), the one of highest occupancy is"
+            f" used: {enumerated(taken)}"
+        )
+    if not frames.complete:
+        yield f"its {frames.n_models} models differ in their atoms and are read one by one"
+
+
+def enumerated(names: Sequence[str], most: int = 8) -> str:
+    """Names joined by commas, the surplus over `most` as a number.
+
+    >>> enumerated(["a", "b", "c", "d"], most=2)
+    'a, b and 2 more'
+    """
+    surplus = len(names) - most
+    return ", ".join(names[:most]) + (f" and {surplus} more" if surplus > 0 else "")
 
 
 def _check_positions(
@@ -216,3 +256,12 @@ def centroids(nucleotides: Nucleotides, positions: NDArray[np.float64]) -> NDArr
     """Mean (n, 3) of P O5' C5' C4' C3' O3' of each nucleotide, Å; NaN where one is missing."""
     mean: NDArray[np.float64] = atom_positions(nucleotides, positions, BACKBONE).mean(axis=1)
     return mean
+
+
+def centroids_at(
+    nucleotides: Nucleotides, positions: NDArray[np.float64], rows: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Centroids (len(rows), 3) of some nucleotides, Å; NaN for the row −1 of an absent one."""
+    found = centroids(nucleotides, positions)[rows]
+    found[np.asarray(rows) < 0] = np.nan
+    return found

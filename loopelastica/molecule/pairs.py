@@ -31,7 +31,7 @@ CANONICAL: Final = frozenset({"AU", "AT", "GC", "GU", "GT"})
 MIN_LOOP: Final = 3
 """Fewest nucleotides between the two of a pair that closes a loop."""
 
-_BRACKETS = (
+BRACKETS: Final = (
     ("(", ")"),
     ("[", "]"),
     ("{", "}"),
@@ -115,9 +115,9 @@ def dot_bracket(n: int, pairs: NDArray[np.int64]) -> str:
     '((.(.)))'
     """
     text = ["."] * n
-    levels: list[list[tuple[int, int]]] = [[] for _ in _BRACKETS]
+    levels: list[list[tuple[int, int]]] = [[] for _ in BRACKETS]
     for i, j in np.asarray(pairs).tolist():
-        for (opening, closing), level in zip(_BRACKETS, levels, strict=True):
+        for (opening, closing), level in zip(BRACKETS, levels, strict=True):
             if not any(a < i < b < j or i < a < j < b for a, b in level):
                 level.append((i, j))
                 text[i], text[j] = opening, closing

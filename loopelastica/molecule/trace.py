@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from loopelastica.errors import StructureError
 from loopelastica.molecule.hairpins import Hairpin
-from loopelastica.molecule.nucleotides import Nucleotides, centroids
+from loopelastica.molecule.nucleotides import Nucleotides, centroids_at
 
 
 def loop_arc_positions(n: int) -> NDArray[np.float64]:
@@ -104,10 +104,11 @@ def native_line(
         If a nucleotide from closing to closing lacks one of the six backbone atoms.
     """
     rows = np.concatenate([hairpin.stem_5[:1], hairpin.loop, hairpin.stem_3[:1]])
-    points = centroids(nucleotides, positions)[rows]
+    points = centroids_at(nucleotides, positions, rows)
     unknown = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(unknown):
-        label = nucleotides.label(int(rows[unknown[0]]))
+        first, last = hairpin.closing_pair
+        label = (first, *hairpin.residues, last)[unknown[0]]
         raise StructureError(
             f"{label}: a backbone atom is missing; the native line of the loop cannot be drawn"
         )

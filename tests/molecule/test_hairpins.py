@@ -137,6 +137,28 @@ def test_kissing_loops_list_their_contacts(hairpins_folder):
     first, second = find_hairpins(hairpins_folder / "1y26.pdb.gz")
     assert first.contacts == (("X.G37", "X.C61"), ("X.G38", "X.C60"))
     assert second.contacts == (("X.C60", "X.G38"), ("X.C61", "X.G37"))
+    assert (first.kissing, second.kissing) == (("X60-66",), ("X31-39",))
+
+
+def test_what_is_left_out_or_kisses_is_told_once(hairpins_folder):
+    def remarks(entry):
+        return find_hairpins(hairpins_folder / f"{entry}.pdb.gz").remarks
+
+    assert [r.split(":")[0] for r in remarks("1rnk")] == ["A.C5–A.G15", "A.U13–A.G28"]
+    assert all("pseudoknot" in r for r in remarks("1rnk"))
+    assert remarks("1y26") == ("X31-39 kisses X60-66 (X.G37–X.C61, X.G38–X.C60)",)
+    assert [r.split(":")[0] for r in remarks("4gxy")] == ["A.A18–A.U27", "A.C112–A.G117"]
+    assert remarks("2koc") == ()
+
+
+def test_no_file_raises_and_every_loop_left_out_has_its_sentence(hairpins_folder):
+    expected = json.loads((hairpins_folder / "expected.json").read_text())
+    for path in sorted(hairpins_folder.glob("*.gz")):
+        found = find_hairpins(path)
+        pairs = {h.closing_pair for h in found}
+        for loop in expected.get(path.name.split(".")[0], ()):
+            if tuple(loop["closing"]) not in pairs and path.name[:4] != "1hlx":
+                assert any(r.startswith("–".join(loop["closing"])) for r in found.remarks), path
 
 
 def test_a_pseudoknot_has_no_simple_hairpin(hairpins_folder):

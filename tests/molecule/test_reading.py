@@ -124,12 +124,28 @@ def test_models_of_unequal_size_are_matched_atom_by_atom(pdb, koc_lines, koc):
     lacking = [line for line in shifted if not line[12:16].strip().startswith("H")]
     structure = read_structure(pdb(koc_lines, lacking))
     assert structure.n_models == 2
+    assert structure.remarks == ("its 2 models differ in their atoms and are read one by one",)
     np.testing.assert_allclose(structure.positions(0), koc.positions(0), atol=1e-4)
     second = structure.positions(1)
     hydrogen = [line[12:16].strip().startswith("H") for line in koc_lines]
     np.testing.assert_array_equal(np.isnan(second).any(axis=1), hydrogen)
     known = ~np.array(hydrogen)
     np.testing.assert_array_equal(second[known, 0], np.arange(len(koc_lines))[known])
+
+
+def test_models_in_another_order_are_matched_atom_by_atom(pdb, koc_lines, koc):
+    structure = read_structure(pdb(koc_lines, koc_lines[::-1]))
+    np.testing.assert_allclose(structure.positions(1), koc.positions(0), atol=1e-4)
+    assert "read one by one" in structure.remarks[0]
+
+
+def test_atoms_of_one_name_are_told_apart_by_their_order(pdb, koc_lines):
+    far = [number_fields(line, 99.0, k, 0.0) for k, line in enumerate(koc_lines)]
+    nameless = [line[:21] + " " + line[22:] for line in [*koc_lines, *far]]
+    structure = read_structure(pdb(nameless, nameless[:-1]))
+    first, second = structure.models()
+    np.testing.assert_array_equal(first[:-1], second[:-1])
+    assert np.isnan(second[-1]).all()
 
 
 def test_an_indented_record_is_an_atom_too(pdb, koc_lines):
@@ -157,6 +173,37 @@ def test_mmcif_gives_every_model(tmp_path, koc):
     assert [h.name for h in find_hairpins(structure)] == ["A6-9"]
     (tmp_path / "cut.cif").write_text(path.read_text()[:60_000])
     assert "gemmi cannot read" in fault_of(tmp_path / "cut.cif")
+
+
+def test_mmcif_and_pdb_agree_on_names_numbers_and_every_model(tmp_path, hairpins_folder):
+    gemmi = pytest.importorskip("gemmi")
+    for entry in ("1idx", "2g1g", "1msy"):
+        source = hairpins_folder / f"{entry}.pdb.gz"
+        path = tmp_path / f"{entry}.cif"
+        gemmi.read_pdb(str(source)).make_mmcif_document().write_file(str(path))
+        ours, theirs = read_structure(path), read_structure(source)
+        a, b = ours.nucleotides, theirs.nucleotides
+        assert [a.label(i) for i in range(len(a))] == [b.label(i) for i in range(len(b))]
+        np.testing.assert_array_equal(a.letter, b.letter)
+        np.testing.assert_array_equal(a.altloc, b.altloc)
+        assert ours.remarks == theirs.remarks
+        assert ours.n_models == theirs.n_models
+        for p, q in zip(ours.models(), theirs.models(), strict=True):
+            known = a.atom_index >= 0
+            np.testing.assert_allclose(p[a.atom_index[known]], q[b.atom_index[known]], atol=1e-4)
+
+
+def test_mmcif_models_of_unequal_size(tmp_path, koc):
+    gemmi = pytest.importorskip("gemmi")
+    structure = gemmi.read_pdb(str(KOC))
+    del structure[1][0][5]
+    path = tmp_path / "unequal.cif"
+    structure.make_mmcif_document().write_file(str(path))
+    unequal = read_structure(path)
+    assert unequal.remarks == ("its 20 models differ in their atoms and are read one by one",)
+    sixth = unequal.nucleotides.atom_index[5]
+    assert np.isnan(unequal.positions(1)[sixth[sixth >= 0]]).all()
+    np.testing.assert_allclose(unequal.positions(2), koc.positions(2), atol=1e-4)
 
 
 def test_mmcif_without_gemmi_names_the_extra(tmp_path, monkeypatch):

@@ -1,0 +1,176 @@
+"""Pairs and loops that a user names, where other data tell what the coordinates do not.
+
+A place is a chain and a number, ``A.12``, with its insertion code, ``A.3B``; residue names may be
+given as they are printed, ``A.DG3^B``. The chain is left out where the file has none, and after the
+hyphen where it is the same one: ``A.12-A.25``, ``A.13-24``, ``12-25``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from loopelastica.errors import StructureError
+from loopelastica.molecule.nucleotides import Nucleotides
+from loopelastica.molecule.pairs import BRACKETS
+
+_PLACE = re.compile(
+    r"(?:(?P<chain>.*)\.)?(?P<name>[A-Za-z0-9+]*[A-Za-z+])?(?P<number>-?\d+)\^?(?P<icode>[A-Za-z]?)"
+)
+# The hyphen between two places is the first one after a number.
+_TWO = re.compile(r"(.*?\d[A-Za-z]?)\s*[-–]\s*(.+)")
+_SEPARATORS = re.compile(r"[\s&+|]")
+
+
+class Place(NamedTuple):
+    """A nucleotide as a user names it; `chain` is None where none is given."""
+
+    chain: str | None
+    name: str
+    number: int
+    icode: str
+
+    def __str__(self) -> str:
+        """Return it as it is written, such as "A.12"."""
+        chain = f"{self.chain}." if self.chain else ""
+        return f"{chain}{self.name}{self.number}{self.icode}"
+
+
+def two_places(argument: str, text: str) -> tuple[Place, Place]:
+    """Two places joined by a hyphen.
+
+    >>> [str(place) for place in two_places("pair", "A.12-A.25")]
+    ['A.12', 'A.25']
+    >>> [str(place) for place in two_places("loop", "A.-3-4B")]
+    ['A.-3', '4B']
+
+    Raises
+    ------
+    ValueError
+        If `text` is nothing of that form; the message names `argument`.
+    """
+    halves = _TWO.fullmatch(text.strip())
+    matches = [_PLACE.fullmatch(half.strip()) for half in halves.groups()] if halves else []
+    places = [
+        Place(m["chain"], m["name"] or "", int(m["number"]), m["icode"]) for m in matches if m
+    ]
+    if len(places) != 2:
+        raise ValueError(f"`{argument}` is {text!r}; it must be like A.12-A.25 or A.12-25")
+    return places[0], places[1]
+
+
+def ends_of(nucleotides: Nucleotides, argument: str, text: str) -> tuple[Place, Place]:
+    """Two places with their chains: the second one is in the chain of the first if none is given.
+
+    The name of a hairpin, such as A6-9, is understood too, unless A is the base of a nucleotide 6.
+
+    Raises
+    ------
+    ValueError
+        If `text` cannot be understood.
+    """
+    first, last = two_places(argument, text)
+    named_chain = first.chain is None and first.name in nucleotides.chain.tolist()
+    if named_chain and not rows_at(nucleotides, first):
+        first = first._replace(chain=first.name, name="")
+    return first, last if last.chain is not None else last._replace(chain=first.chain)
+
+
+def as_texts(argument: str | Sequence[str]) -> tuple[str, ...]:
+    """One text or several, as a tuple."""
+    return (argument,) if isinstance(argument, str) else tuple(argument)
+
+
+def rows_at(nucleotides: Nucleotides, place: Place) -> list[int]:
+    """Rows of the nucleotides at a place: none where it is absent, several where it is ambiguous.
+
+    A residue name, where given, must be the one of the file.
+    """
+    here = (nucleotides.resid == place.number) & (nucleotides.icode == place.icode)
+    if place.chain is not None:
+        here &= nucleotides.chain == place.chain
+    if place.name:
+        here &= nucleotides.resname == place.name
+    return [int(row) for row in np.flatnonzero(here)]
+
+
+def row_at(nucleotides: Nucleotides, place: Place, consequence: str) -> int:
+    """The one row at a place.
+
+    Raises
+    ------
+    StructureError
+        If there is none, or more than one; the message ends in `consequence`.
+    """
+    rows = rows_at(nucleotides, place)
+    if len(rows) > 1:
+        labels = " and ".join(nucleotides.label(row) for row in rows[:2])
+        raise StructureError(f"{place} may be {labels}; {consequence}")
+    if not rows:
+        raise StructureError(f"there is no nucleotide {place}; {consequence}")
+    return rows[0]
+
+
+def asked_pairs(nucleotides: Nucleotides, texts: Sequence[str]) -> list[tuple[int, int]]:
+    """Rows i < j of pairs such as "A.12-A.25".
+
+    Raises
+    ------
+    ValueError
+        If a text is no pair.
+    StructureError
+        If a nucleotide is not in the structure, or two pairs share one.
+    """
+    pairs: list[tuple[int, int]] = []
+    for text in texts:
+        ends = ends_of(nucleotides, "pair", text)
+        i, j = sorted(row_at(nucleotides, end, f"`pair` {text} cannot be made") for end in ends)
+        if i == j or any({i, j} & set(other) for other in pairs):
+            raise StructureError(f"`pair` {text}: a nucleotide pairs with one other only")
+        pairs.append((i, j))
+    return pairs
+
+
+def bracket_pairs(nucleotides: Nucleotides, text: str) -> NDArray[np.int64]:
+    """Pairs (m, 2), i < j, of a secondary structure in dot-bracket notation.
+
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Table of n nucleotides.
+    text : str
+        A character per nucleotide in the order of the file: ``( [ { < A B C`` open, ``) ] } > a b
+        c`` close, any other stays single. Spaces and ``& + |`` between chains do not count.
+
+    Raises
+    ------
+    ValueError
+        If a bracket has no partner.
+    StructureError
+        If the length is not the number of nucleotides.
+    """
+    text = _SEPARATORS.sub("", text)
+    opening = {a: k for k, (a, _) in enumerate(BRACKETS)}
+    closing = {b: k for k, (_, b) in enumerate(BRACKETS)}
+    open_rows: list[list[int]] = [[] for _ in BRACKETS]
+    pairs = []
+    for row, character in enumerate(text):
+        if character in opening:
+            open_rows[opening[character]].append(row)
+        elif character in closing:
+            if not open_rows[closing[character]]:
+                raise ValueError(f"`dot_bracket`: {character!r} at place {row + 1} closes nothing")
+            pairs.append((open_rows[closing[character]].pop(), row))
+    unclosed = sorted(row for rows in open_rows for row in rows)
+    if unclosed:
+        row = unclosed[0]
+        raise ValueError(f"`dot_bracket`: {text[row]!r} at place {row + 1} is not closed")
+    if len(text) != len(nucleotides):
+        raise StructureError(
+            f"`dot_bracket` has {len(text)} characters for {len(nucleotides)} nucleotides"
+        )
+    return np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)
