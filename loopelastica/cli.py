@@ -310,7 +310,7 @@ def bench_accuracy(
     full: Annotated[bool, typer.Option("--full", help="Large samples; some twenty minutes.")] = (
         False
     ),
-    cold: Annotated[bool, typer.Option("--cold", help="The cold start too; a minute more.")] = (
+    cold: Annotated[bool, typer.Option("--cold", help="The cold start too; minutes more.")] = (
         False
     ),
     seed: Annotated[int, typer.Option(help="Seed of the random targets.")] = 2026,

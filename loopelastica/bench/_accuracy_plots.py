@@ -17,7 +17,7 @@ _STYLES = {
     "ours, batch": ("#1b6ca8", "*", False),
     "ours, solve, first": ("#1b6ca8", "o", False),
     "ours, batch, lowest": ("#5fa8d3", "*", False),
-    "ours, solve": ("#5fa8d3", "o", False),
+    "ours, solve, lowest": ("#5fa8d3", "o", False),
     "ours, first, tolerance": ("#1b6ca8", ".", True),
     "paper, ε1": ("#c8553d", "^", False),
     "paper, ε2": ("#c8553d", "v", False),

@@ -58,7 +58,7 @@ def _markdown(
     forward: list[Row], inverse: dict[str, list[Row]], omissions: list[Row], cold: list[Row]
 ) -> str:
     parts = [
-        "# Error against run time", "", f"{setting()}; processor time of one core.",
+        "# Error against run time", "", f"{setting()}; processor time of the one thread that works.",
         "", "## Forward", "", markdown_table(forward, _forward.COLUMNS),
         "", "## Inverse", "", _INVERSE_NOTE, "", *_ratios(inverse),
     ]  # fmt: skip
@@ -84,7 +84,7 @@ def run(
     full : bool
         Large samples, some twenty minutes, and the cold start; otherwise about two minutes.
     cold : bool
-        Measure the cold start, a minute or two of compiling.
+        Measure the cold start, some minutes of compiling.
     seed : int
         Of the random targets and guesses.
     progress : bool
