@@ -58,7 +58,7 @@ def _markdown(
     forward: list[Row], inverse: dict[str, list[Row]], omissions: list[Row], cold: list[Row]
 ) -> str:
     parts = [
-        "# Error against run time", "", f"{setting()}; processor time of the one thread that works.",
+        "# Error against run time", "", f"{setting()}; processor time of the working thread.",
         "", "## Forward", "", markdown_table(forward, _forward.COLUMNS),
         "", "## Inverse", "", _INVERSE_NOTE, "", *_ratios(inverse),
     ]  # fmt: skip

@@ -63,25 +63,27 @@ def stream(rods: int, threads: int, seed: int) -> Row:
     Returns
     -------
     dict
-        ``rods``, ``threads``, ``seconds`` of wall time in ``solve_batch``, ``solved``,
-        ``residual_max`` and ``memory_MB``, the peak of the process.
+        ``rods``, ``threads``, ``seconds`` of wall time in ``solve_batch``, ``processor_s`` of
+        all its threads, ``per_rod_us``, ``solved``, ``residual_max`` and ``memory_MB``, the peak of the process.
     """
     options: dict[str, Any] = {"threads": threads} if threads > 1 else {}
-    seconds, solved, worst = 0.0, 0, 0.0
+    seconds, processor, solved, worst = 0.0, 0.0, 0, 0.0
     solve_batch(*poses.load_drawn(np.random.default_rng(seed), 2), **options)
     for first in range(0, rods, _CHUNK):
         # every chunk has its own stream of numbers: the same rods for any number of them
         rng = np.random.default_rng([seed, first])
         positions, rotations = poses.load_drawn(rng, min(_CHUNK, rods - first))
-        started = time.perf_counter()
+        started, spent = time.perf_counter(), time.process_time()
         batch = solve_batch(positions, rotations, **options)
         seconds += time.perf_counter() - started
+        processor += time.process_time() - spent
         solved += int(batch.converged.sum())
         worst = max(worst, float(batch.residual[batch.converged].max(initial=0.0)))
     return {
         "rods": rods,
         "threads": threads,
         "seconds": round(seconds, 6),
+        "processor_s": round(processor, 6),
         "per_rod_us": round(1e6 * seconds / rods, 3),
         "solved": solved,
         "residual_max": worst,
@@ -173,10 +175,10 @@ def _slopes(rods: Sequence[Row], lengths: Sequence[Row], found: Sequence[Row]) -
         chosen = [row for row in rods if row["threads"] == threads]
         many = [row for row in chosen if row["rods"] >= _MANY]
         for what, part in (("all", chosen), (f"{_MANY:,d} and more", many)):
-            add(
-                f"time over number of rods, {what}, {_named(threads)}",
-                [row["rods"] for row in part], [row["seconds"] for row in part],
-            )  # fmt: skip
+            x = [row["rods"] for row in part]
+            for key, name in (("seconds", "time"), ("processor_s", "processor time")):
+                label = f"{name} over number of rods, {what}, {_named(threads)}"
+                add(label, x, [row[key] for row in part])
         add(
             f"memory over number of rods, {_named(threads)}",
             [row["rods"] for row in chosen], [row["memory_MB"] for row in chosen],
@@ -207,6 +209,7 @@ _ROD_COLUMNS = {
     "rods": ("rods", ",d"),
     "threads": ("threads", "d"),
     "seconds": ("s", ".4g"),
+    "processor_s": ("processor / s", ".4g"),
     "per_rod_us": ("µs per rod", ".4g"),
     "solved": ("solved", ",d"),
     "residual_max": ("residual, max", ".1e"),
@@ -247,7 +250,7 @@ def _markdown(
 ) -> str:
     times = [row["time_ms"] for row in found]
     parts = [
-        "# Scaling", "", f"{setting()}; wall time.",
+        "# Scaling", "", f"{setting()}; wall time where nothing else is said.",
         "", "## Slopes", "", markdown_table(slopes, _SLOPE_COLUMNS),
         "", "## Number of rods", "",
         f"Load-drawn, the first equilibrium, drawn and solved in chunks of {_CHUNK:,d}.", "",
