@@ -35,6 +35,21 @@ def test_a_row_of_its_own_process_has_memory_of_its_own():
     assert block[-1] == 1.0
 
 
+def test_threads_are_asked_for_where_the_solver_has_them(monkeypatch):
+    asked = []
+
+    def with_threads(positions, rotations, threads=1):
+        asked.append(threads)
+        return le.solve_batch(positions, rotations)
+
+    monkeypatch.setattr(bench, "solve_batch", with_threads)
+    assert bench._thread_counts() == (1, 2)
+    assert bench.stream(3, 2, 1)["solved"] == 3
+    assert set(asked) == {2}
+    monkeypatch.setattr(bench, "solve_batch", lambda positions, rotations: None)
+    assert bench._thread_counts() == (1,)
+
+
 def test_rods_have_the_length_asked_for(rng):
     rods = poses.of_length(rng, 20, 8.0, 16.0)
     lengths = [rod.length for rod in rods]

@@ -64,7 +64,8 @@ def stream(rods: int, threads: int, seed: int) -> Row:
     -------
     dict
         ``rods``, ``threads``, ``seconds`` of wall time in ``solve_batch``, ``processor_s`` of
-        all its threads, ``per_rod_us``, ``solved``, ``residual_max`` and ``memory_MB``, the peak of the process.
+        all its threads, ``per_rod_us``, ``solved``, ``residual_max`` and ``memory_MB``, the peak of
+        the process.
     """
     options: dict[str, Any] = {"threads": threads} if threads > 1 else {}
     seconds, processor, solved, worst = 0.0, 0.0, 0, 0.0
