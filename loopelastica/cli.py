@@ -307,7 +307,7 @@ def bench_accuracy(
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
         "loopelastica-bench/accuracy"
     ),
-    full: Annotated[bool, typer.Option("--full", help="Large samples; some twenty minutes.")] = (
+    full: Annotated[bool, typer.Option("--full", help="Large samples; some forty minutes.")] = (
         False
     ),
     cold: Annotated[bool, typer.Option("--cold", help="The cold start too; minutes more.")] = (

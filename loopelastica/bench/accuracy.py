@@ -82,7 +82,7 @@ def run(
         Folder for ``forward.csv``, ``inverse.csv``, ``omissions.csv``, ``cold.csv``,
         ``accuracy.md`` and ``accuracy.png``.
     full : bool
-        Large samples, some twenty minutes, and the cold start; otherwise about two minutes.
+        Large samples, some forty minutes, and the cold start; otherwise two or three minutes.
     cold : bool
         Measure the cold start, some minutes of compiling.
     seed : int
