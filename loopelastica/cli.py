@@ -401,5 +401,45 @@ def bench_stability(
     typer.echo(f"written to {out}")
 
 
+@bench.command("accuracy")
+def bench_accuracy(
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-bench/accuracy"
+    ),
+    full: Annotated[bool, typer.Option("--full", help="Large samples; some forty minutes.")] = (
+        False
+    ),
+    cold: Annotated[bool, typer.Option("--cold", help="The cold start too; minutes more.")] = (
+        False
+    ),
+    seed: Annotated[int, typer.Option(help="Seed of the random targets.")] = 2026,
+) -> None:
+    """Compare error and run time with the paper's method and SciPy's, on the same targets."""
+    from loopelastica.bench.accuracy import run
+    from loopelastica.errors import MissingDependencyError
+
+    try:
+        run(out, full=full, cold=cold, seed=seed, progress=True)
+    except MissingDependencyError as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(1) from None
+    typer.echo(f"written to {out}")
+
+
+@bench.command("scaling")
+def bench_scaling(
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-bench/scaling"
+    ),
+    full: Annotated[bool, typer.Option("--full", help="Up to a million rods.")] = False,
+    seed: Annotated[int, typer.Option(help="Seed of the random rods.")] = 2026,
+) -> None:
+    """Measure time and memory over the number of rods, threads, length and equilibria."""
+    from loopelastica.bench.scaling import run
+
+    run(out, full=full, seed=seed, progress=True)
+    typer.echo(f"written to {out}")
+
+
 if __name__ == "__main__":
     app()

@@ -43,13 +43,18 @@ def _gaps(rng: np.random.Generator, n: int) -> Array:
     return np.asarray(10.0 ** rng.uniform(-4.0, -0.5, n))
 
 
-def load_drawn(rng: np.random.Generator, n: int) -> Poses:
-    """Ends of rods (K30 = 1) with random loads: |F| and |M| uniform, directions uniform."""
-    from loopelastica.rod._shooting import ends
-
+def random_loads(rng: np.random.Generator, n: int) -> Array:
+    """Loads (n, 6): |F| and |M| uniform, directions uniform."""
     force = _directions(rng, n) * rng.uniform(0.0, _FORCE, (n, 1))
     moment = _directions(rng, n) * rng.uniform(0.0, _MOMENT, (n, 1))
-    positions, quaternions = ends(np.hstack([force, moment]), 1.0, 4.0)
+    return np.hstack([force, moment])
+
+
+def load_drawn(rng: np.random.Generator, n: int) -> Poses:
+    """Ends of rods (K30 = 1) with `random_loads`."""
+    from loopelastica.rod._shooting import ends
+
+    positions, quaternions = ends(random_loads(rng, n), 1.0, 4.0)
     return positions, Rotation.from_quat(quaternions, scalar_first=True).as_matrix()
 
 
@@ -144,7 +149,7 @@ def broken(rng: np.random.Generator, n: int) -> Poses:
     return positions, rotations
 
 
-def _ends_of(rods: list[PhysicalParameters]) -> Poses:
+def ends_of(rods: list[PhysicalParameters]) -> Poses:
     clampings = [rod.clamping() for rod in rods]
     return np.array([c.position for c in clampings]), np.array([c.rotation for c in clampings])
 
@@ -165,7 +170,7 @@ def helical(rng: np.random.Generator, n: int) -> Poses:
     for _ in range(n // 2):
         lam, t_p = rng.uniform(-1.5, 1.5, 2)
         rods.append(_cut(rng, lam, t_p, a_min(lam, t_p), rng.uniform(1.0, 12.0)))
-    positions, rotations = _ends_of(rods) if rods else (np.empty((0, 3)), np.empty((0, 3, 3)))
+    positions, rotations = ends_of(rods) if rods else (np.empty((0, 3)), np.empty((0, 3, 3)))
     return (
         np.concatenate([np.array([line[-1] for line, _ in free]), positions]),
         np.concatenate([np.array([frames[-1] for _, frames in free]), rotations]),
@@ -183,17 +188,25 @@ def homoclinic(rng: np.random.Generator, n: int) -> Poses:
         # with the point of largest ρ inside: elsewhere such a rod is straight to rounding
         start = -length * rng.uniform(0.1, 0.9)
         rods.append(PhysicalParameters(c, c, a, rng.uniform(0.0, math.tau), start, length))
-    return _ends_of(rods)
+    return ends_of(rods)
 
 
-def long(rng: np.random.Generator, n: int) -> Poses:
-    """Ends of random rods with L/μ from 20 to 200."""
+def of_length(
+    rng: np.random.Generator, n: int, shortest: float, longest: float
+) -> list[PhysicalParameters]:
+    """Random rods with L/μ between two bounds, log-uniform."""
     rods = []
     for _ in range(n):
         lam, t_p = rng.uniform(-2.0, 2.0, 2)
         a = a_min(lam, t_p) + 10.0 ** rng.uniform(-3.0, 0.5)
-        rods.append(_cut(rng, lam, t_p, a, 10.0 ** rng.uniform(math.log10(20.0), math.log10(200))))
-    return _ends_of(rods)
+        length = 10.0 ** rng.uniform(math.log10(shortest), math.log10(longest))
+        rods.append(_cut(rng, lam, t_p, a, length))
+    return rods
+
+
+def long(rng: np.random.Generator, n: int) -> Poses:
+    """Ends of random rods with L/μ from 20 to 200."""
+    return ends_of(of_length(rng, n, 20.0, 200.0))
 
 
 def at_shell(low: float, high: float) -> Draw:
