@@ -111,16 +111,10 @@ def misfits(rod: Equilibrium) -> tuple[Array, float]:
     inner = (s[:-1, None] + 0.5 * h[:, None] * (1.0 + _POINTS)).ravel()
     tangents = rod.frames(inner)[:, :, 2].reshape(len(h), -1, 3)
     keep = np.ones(len(h), dtype=np.bool_)
-<<<<<<< HEAD
-    worst = np.maximum(np.abs(line[0]).max(), np.abs(frames[0] - np.eye(3)).max())
-    worst = np.maximum(worst, np.abs(line[-1] - rod.clamping.position).max())
-    worst = np.maximum(worst, np.abs(frames[-1] - rod.clamping.rotation).max())
-=======
     first = max(np.abs(line[0]).max(), np.abs(frames[0] - np.eye(3)).max())
     last = np.abs(line[-1] - rod.clamping.position).max()
     last = max(last, np.abs(frames[-1] - rod.clamping.rotation).max())
     jumps = np.zeros(len(h))
->>>>>>> 22b5d31931519dd85d5c237c667f5b01fa0e9c30
     twist = 0.5 * rod.loads[5] ** 2 / rod.torsion_ratio
     if layer:
         at = len(s) // 2 - 1
@@ -133,13 +127,8 @@ def misfits(rod: Equilibrium) -> tuple[Array, float]:
                 frames[:-1][keep], moment[keep], h[keep], force, rod.torsion_ratio
             )
         spun = Rotation.from_rotvec([0, 0, rod.loads[5] / rod.torsion_ratio * h[at]])
-<<<<<<< HEAD
-        worst = np.maximum(worst, np.abs(frames[at] @ spun.as_matrix() - frames[at + 1]).max())
-        worst = np.maximum(worst, np.abs(line[at] + h[at] * force / size - line[at + 1]).max())
-=======
         jumps[at] = np.abs(frames[at] @ spun.as_matrix() - frames[at + 1]).max()
         jumps[at] = max(jumps[at], np.abs(line[at] + h[at] * force / size - line[at + 1]).max())
->>>>>>> 22b5d31931519dd85d5c237c667f5b01fa0e9c30
         # the first integral, free of the rounding of F × r
         bending = 0.5 * size * ((tangents - force / size) ** 2).sum(axis=2)
         bending[at] = 0.0
@@ -147,13 +136,8 @@ def misfits(rod: Equilibrium) -> tuple[Array, float]:
         moment = rod.moment(s)[:-1]
         moved, turned = _march(frames[:-1], moment, h, force, rod.torsion_ratio)
         bending = 0.5 * rod.curvature(inner).reshape(len(h), -1) ** 2
-<<<<<<< HEAD
-    worst = np.maximum(worst, np.abs((line[:-1] + moved - line[1:])[keep]).max())
-    worst = np.maximum(worst, np.abs(turned - frames[1:][keep]).max())
-=======
     jumps[keep] = np.abs((line[:-1] + moved - line[1:])[keep]).max(axis=1)
     jumps[keep] = np.maximum(jumps[keep], np.abs(turned - frames[1:][keep]).max(axis=(1, 2)))
->>>>>>> 22b5d31931519dd85d5c237c667f5b01fa0e9c30
     energy = float((0.5 * h) @ (bending @ _WEIGHTS)) + twist
     energy_error = abs(energy - rod.energy) / max(abs(rod.energy), 1e-12)
     return np.array([first, last, *jumps]), energy_error

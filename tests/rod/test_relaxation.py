@@ -6,7 +6,7 @@ from draws import pose_drawn
 from scipy.spatial.transform import Rotation
 
 from loopelastica.rod._discrete import assemble, measure, turn
-from loopelastica.rod._relaxation import graded_nodes, relax, start_frames
+from loopelastica.rod._relaxation import _CLOSED, graded_nodes, relax, start_frames
 
 
 def quaternion(rotation):
@@ -87,7 +87,7 @@ def test_the_discrete_rod_reaches_a_minimum_from_every_pose(rng, torsion_ratio, 
         assert 0 < energy < math.inf
         assert iterations < 200
         tangents = Rotation.from_quat(frames[1:-1], scalar_first=True).as_matrix()[:, :, 2]
-        np.testing.assert_allclose(np.diff(s) @ tangents, position, atol=2e-5)
+        np.testing.assert_allclose(np.diff(s) @ tangents, position, atol=_CLOSED)
 
 
 def test_graded_nodes_crowd_where_the_boundary_layers_are():
