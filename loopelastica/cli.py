@@ -378,11 +378,14 @@ def bench_paper(
     ),
     full: Annotated[bool, typer.Option("--full", help="Every rod of the paper's sets.")] = False,
     sample: Annotated[int, typer.Option(help="Rods per cell otherwise.", min=1)] = 400,
+    own_full: Annotated[
+        bool, typer.Option("--own-full", help="Every rod for the package's own solver only.")
+    ] = False,
 ) -> None:
-    """Rerun the studies of Figs. 3, 4 and 5 of the 2018 paper with its printed method."""
+    """Rerun the studies of Figs. 3, 4 and 5 of the 2018 paper: its printed method, and ours."""
     from loopelastica.bench.paper import run
 
-    run(out, full=full, sample=sample, progress=True)
+    run(out, full=full, sample=sample, progress=True, own_full=own_full)
     typer.echo(f"written to {out}")
 
 

@@ -57,6 +57,11 @@ def test_a_run_writes_tables_and_pictures(tmp_path):
     with (tmp_path / "out" / "paper.csv").open(newline="") as file:
         written = list(csv.DictReader(file))
     assert [int(row["tested"]) for row in written] == [12] * 5
+    with (tmp_path / "out" / "own.csv").open(newline="") as file:
+        own = list(csv.DictReader(file))
+    # once for each set of rods, whatever the printed method's error and symmetry
+    assert [(row["tested"], float(row["success_percent"])) for row in own] == [("12", 100.0)] * 2
+    assert all(float(row["residual_max"]) < 1e-9 for row in own)
     text = (tmp_path / "out" / "paper.md").read_text(encoding="utf-8")
     assert "57,740" in text
     assert "53,170" in text

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import time
 import zipfile
 import zlib
@@ -27,6 +28,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica.bench import _own
 from loopelastica.bench._report import markdown_table, write_bytes, write_csv, write_text
 from loopelastica.rod import grid as _grid
 from loopelastica.rod.paper import ERRORS, FORWARD, PaperSolver
@@ -204,7 +206,22 @@ _COLUMNS = {
 }
 
 
-def _markdown(rows: Sequence[Row], solver: PaperSolver) -> str:
+def _own_rows(
+    cells: Sequence[Cell], whole: bool, sample: int, seed: int, progress: bool
+) -> list[Row]:
+    """The package's own solver on each set of rods, once."""
+    from tqdm import tqdm
+
+    sets = {(cell.l, cell.delta, cell.halved): cell for cell in cells}
+    rows = []
+    for cell in tqdm(sets.values(), disable=not progress, unit="set", desc="own solver"):
+        rods = _shuffled(cell, seed)
+        tested = len(rods) if whole else min(sample, len(rods))
+        rows.append(_own.row(cell.l, cell.delta, rods, tested, min(2, os.cpu_count() or 1)))
+    return rows
+
+
+def _markdown(rows: Sequence[Row], own: Sequence[Row], solver: PaperSolver) -> str:
     parts = [
         "# The paper's studies",
         "",
@@ -219,6 +236,9 @@ def _markdown(rows: Sequence[Row], solver: PaperSolver) -> str:
         chosen = [row for row in rows if row["figure"] == figure]
         if chosen:
             parts += ["", f"## {title}", "", markdown_table(chosen, _COLUMNS)]
+    if own:
+        parts += ["", "## The package's own solver on the same rods (wall time)", ""]
+        parts += [markdown_table(own, _own.COLUMNS)]
     return "\n".join(parts) + "\n"
 
 
@@ -260,14 +280,15 @@ def run(
     figures: Sequence[int] = _FIGURES,
     seed: int = _SEED,
     progress: bool = True,
+    own_full: bool = False,
 ) -> list[Row]:
-    """Run the studies of Figs. 3, 4 and 5 again.
+    """Run the studies of Figs. 3, 4 and 5 again, and the package's own solver on their rods.
 
     Parameters
     ----------
     out : Path
-        Folder for ``paper.csv``, ``paper.md``, ``fig3.png``, ``fig4.png``, ``fig5.png`` and the
-        partial results. A run into the same folder continues an earlier one.
+        Folder for ``paper.csv``, ``own.csv``, ``paper.md``, ``fig3.png``, ``fig4.png``,
+        ``fig5.png`` and the partial results. A run into the same folder continues an earlier one.
     full : bool
         Test all rods: some 1.9 million inversions, about an hour.
     sample : int
@@ -278,6 +299,8 @@ def run(
         Of the random order of the rods.
     progress : bool
         Show a bar on standard error.
+    own_full : bool
+        Test all rods with the package's own solver only: minutes.
 
     Returns
     -------
@@ -316,7 +339,11 @@ def run(
                 _write(_partial(out, cell), label, results, seconds)
             rows.append(_row(cell, rods, results, seconds, len(solver.grid)))
             bar.update()
+    own = _own_rows(cells, full or own_full, sample, seed, progress)
     write_csv(out / "paper.csv", rows)
-    write_text(out / "paper.md", _markdown(rows, _solver(Cell(3, 2, 0.5, "eps2", True, True, 0))))
+    write_csv(out / "own.csv", own)
+    write_text(
+        out / "paper.md", _markdown(rows, own, _solver(Cell(3, 2, 0.5, "eps2", True, True, 0)))
+    )
     _draw(rows, figures, out, seed)
     return rows

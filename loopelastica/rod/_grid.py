@@ -94,6 +94,16 @@ def trials(lam, t_p, size, margin, step):
 
 
 @njit(cache=True, nogil=True)
+def poses(points, torsion_ratio):
+    """End poses (n, 7), position and quaternion, of physical parameters (n, 5), φ0 = 0 (q1)."""
+    out = np.empty((points.shape[0], POSE))
+    for i in range(points.shape[0]):
+        p = points[i]
+        physical_pose(p[0], p[1], p[2], p[3], p[4], torsion_ratio, out[i])
+    return out
+
+
+@njit(cache=True, nogil=True)
 def images(points, torsion_ratio):
     """Images (n, 5) of physical parameters (n, 5) under the closed form q1 (eq. 20)."""
     out, y = np.empty((points.shape[0], 5)), np.empty(POSE)
