@@ -63,6 +63,20 @@ def fold(
         float | None,
         typer.Option(help="Line length per nucleotide in Å; default 6.0 (RNA), 6.3 (DNA)."),
     ] = None,
+    stem_extend_5: Annotated[
+        int | None,
+        typer.Option(help="Nucleotides that continue the 5' strand; default by length.", min=0),
+    ] = None,
+    stem_extend_3: Annotated[
+        int | None,
+        typer.Option(help="Nucleotides that continue the 3' strand; default by length.", min=0),
+    ] = None,
+    taper: Annotated[
+        float | None,
+        typer.Option(
+            help="Radius lost per nucleotide on the 3' strand; default 0.2 (RNA), 0 (DNA)."
+        ),
+    ] = None,
     persistence_length: Annotated[
         float, typer.Option(help="Persistence length in Å that turns E/K0 into kT.")
     ] = 10.0,
@@ -94,6 +108,9 @@ def fold(
                 free_spin=not darboux,
                 torsion_ratio=torsion_ratio,
                 length_per_nucleotide_A=length_per_nucleotide,
+                stem_extend_5=stem_extend_5,
+                stem_extend_3=stem_extend_3,
+                taper=taper,
                 persistence_length_A=persistence_length,
                 energy_max=energy_max,
                 max_candidates=candidates,

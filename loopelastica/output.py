@@ -109,8 +109,15 @@ def row(candidate: Candidate) -> dict[str, Any]:
         "rmsd_models_sd_A": deviation,
         "n_models": count,
         "length_A": candidate.length_A,
+        "touching": candidate.contacts.touching,
+        "stem_contact_A": _finite(candidate.contacts.stem_A),
+        "self_contact_A": _finite(candidate.contacts.self_A),
         "twist_turns": candidate.rod.twist,
     }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def ranking(source: Path, fold: LoopFold) -> dict[str, Any]:
@@ -133,14 +140,16 @@ def ranking(source: Path, fold: LoopFold) -> dict[str, Any]:
         "parameters": fold.parameters,
         "length": {
             "length_A": fold.length_A,
-            "nucleotides": len(hairpin.loop),
-            "per_nucleotide_A": fold.length_A / len(hairpin.loop),
+            "nucleotides": fold.ends.n_free,
+            "per_nucleotide_A": fold.ends.clamp.length_per_nucleotide_A,
             "from": "option length_per_nucleotide_A"
             if fold.parameters["length_per_nucleotide_A"] is not None
             else f"default for {'DNA' if hairpin.is_dna else 'RNA'}",
         },
         "clamp": {
             "from": "ideal strands fitted to each stem strand; no loop atom",
+            **fold.ends.clamp.to_dict(),
+            "stem_rms_A": None if fold.ends.stem_rms_A is None else fold.ends.stem_rms_A.tolist(),
             "fit_rms_A": np.asarray(fold.ends.fit_rms_A).tolist(),
             "start_origin_A": np.asarray(fold.ends.start_origin_A).tolist(),
             "start_frame": np.asarray(fold.ends.start_frame).tolist(),
