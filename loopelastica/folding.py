@@ -131,7 +131,44 @@ def fold(
     ValueError
         If an option is out of range.
     """
-    parameters = {
+    parameters = checked_parameters(
+        free_spin=free_spin,
+        torsion_ratio=torsion_ratio,
+        length_per_nucleotide_A=length_per_nucleotide_A,
+        stem_extend_5=stem_extend_5,
+        stem_extend_3=stem_extend_3,
+        taper=taper,
+        persistence_length_A=persistence_length_A,
+        energy_max=energy_max,
+        max_candidates=max_candidates,
+        all_models=all_models,
+    )
+    structure = read_structure(path_or_universe)
+    hairpins = find_hairpins(structure)
+    folds: list[list[LoopFold]] = [[] for _ in hairpins]
+    for positions in structure.models():
+        for hairpin, models in zip(hairpins, folds, strict=True):
+            models.append(fold_positions(structure.nucleotides, hairpin, positions, **parameters))
+        if not all_models:
+            break
+    return [_together(models) for models in folds]
+
+
+def checked_parameters(
+    *,
+    free_spin: bool = True,
+    torsion_ratio: float = 1.0,
+    length_per_nucleotide_A: float | None = None,
+    stem_extend_5: int | None = None,
+    stem_extend_3: int | None = None,
+    taper: float | None = None,
+    persistence_length_A: float = PERSISTENCE_LENGTH_A,
+    energy_max: float | None = None,
+    max_candidates: int = 10,
+    all_models: bool = True,
+) -> dict[str, Any]:
+    """The options of :func:`fold`, each in range, for :func:`fold_positions`."""
+    return {
         "free_spin": bool(free_spin),
         "torsion_ratio": _positive("torsion_ratio", torsion_ratio),
         "length_per_nucleotide_A": (
@@ -147,15 +184,6 @@ def fold(
         "max_candidates": int(_positive("max_candidates", max_candidates)),
         "all_models": bool(all_models),
     }
-    structure = read_structure(path_or_universe)
-    hairpins = find_hairpins(structure)
-    folds: list[list[LoopFold]] = [[] for _ in hairpins]
-    for positions in structure.models():
-        for hairpin, models in zip(hairpins, folds, strict=True):
-            models.append(fold_positions(structure.nucleotides, hairpin, positions, **parameters))
-        if not all_models:
-            break
-    return [_together(models) for models in folds]
 
 
 def fold_positions(

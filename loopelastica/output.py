@@ -31,17 +31,21 @@ LINE_POINTS = 101
 
 
 class Folders:
-    """Names for the hairpins' folders: two inputs of one name get different ones."""
+    """Names for the hairpins' folders: two inputs of one name get different ones.
 
-    def __init__(self, root: Path) -> None:
+    `number` is 2, 3 … for a file whose namesakes are somebody else's work.
+    """
+
+    def __init__(self, root: Path, number: int = 1) -> None:
         self.root = root
+        self._before = number - 1
         self._taken: dict[str, int] = {}
 
     def claim(self, source: Path, fold: LoopFold) -> Path:
         """The folder of one hairpin: <file>_<chain><first>-<last>, numbered from the second on."""
         stem = source.name.removesuffix(".gz").rsplit(".", 1)[0] or source.name
         name = f"{stem}_{fold.hairpin.name}"
-        count = self._taken[name] = self._taken.get(name, 0) + 1
+        count = self._taken[name] = self._taken.get(name, self._before) + 1
         return self.root / (name if count == 1 else f"{name}_{count}")
 
 

@@ -39,7 +39,13 @@ class Contacts:
     @property
     def touching(self) -> bool:
         """Whether the line runs into the stem or itself."""
-        return self.stem_A < STEM_CONTACT_A or self.self_A < SELF_CONTACT_A
+        return bool(self.touched)
+
+    @property
+    def touched(self) -> str:
+        """What the line runs into: "stem", "self", "stem, self" or ""."""
+        stem, itself = self.stem_A < STEM_CONTACT_A, self.self_A < SELF_CONTACT_A
+        return ", ".join(name for name, yes in (("stem", stem), ("self", itself)) if yes)
 
 
 def stem_atoms(
