@@ -251,6 +251,32 @@ def _fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> "Ta
 
 
 @app.command()
+def evaluate(
+    folder: Annotated[
+        Path, typer.Argument(help="Folder of PDB and mmCIF files.", show_default=False)
+    ],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-evaluation"
+    ),
+    jobs: _Jobs = None,
+    scheduler: _Scheduler = None,
+) -> None:
+    """Compare folds and simple curves with the loops of many files; write a scoreboard.
+
+    The same command resumes a run that was stopped.
+    """
+    from loopelastica.errors import MissingDependencyError
+    from loopelastica.evaluation.scoreboard import evaluate as evaluate_folder
+
+    try:
+        done = evaluate_folder(folder, out, jobs or 1, scheduler, progress=True)
+    except (ValueError, MissingDependencyError) as error:
+        raise typer.BadParameter(str(error)) from None
+    typer.echo(f"{done.n_files} files, {done.n_rows} loops: {out / 'scoreboard.md'}")
+    _tell_failures(done.failures, out)
+
+
+@app.command()
 def scan(
     file: Annotated[Path, typer.Argument(help="PDB or mmCIF file.", show_default=False)],
     extend_5: Annotated[int, typer.Option(help="Most nucleotides on the 5' strand.", min=0)] = 2,

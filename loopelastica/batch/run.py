@@ -149,7 +149,7 @@ def run(
     known = set(done)
     waiting = [task for key, task in zip(keys, tasks, strict=True) if key not in known]
     _write_rows(table, work.columns, journal.records(done))
-    lost = []
+    again = []
     with (
         table.open("a", newline="", encoding="utf-8") as file,
         tqdm(total=len(tasks), initial=len(done), disable=not progress, unit="file") as bar,
@@ -157,8 +157,8 @@ def run(
         writer = csv.DictWriter(file, work.columns, extrasaction="ignore", lineterminator="\n")
         for outcome in outcomes(work.function, waiting, jobs, scheduler):
             bar.update()
-            if outcome.lost:
-                lost.append({"file": outcome.task.source, "failure": outcome.failure})
+            if not outcome.final:
+                again.append({"file": outcome.task.source, "failure": outcome.failure})
                 continue  # not in the journal: the next run tries it again
             record = outcome.value or {"rows": [], "failures": [outcome.failure]}
             journal.add(outcome.task.key, {"file": outcome.task.source, **record})
@@ -169,7 +169,7 @@ def run(
         {"file": record["file"], "failure": sentence}
         for record in journal.records(keys)
         for sentence in record["failures"]
-    ] + lost
+    ] + again
     _write_csv(out / "failures.csv", ("file", "failure"), [failures])
     _write_parquet(table)
     return Run(

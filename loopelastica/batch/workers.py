@@ -21,11 +21,15 @@ AHEAD = 3
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of a task: its value, or a sentence; `lost` if its workers died."""
+    """What became of a task: its value, or a sentence.
+
+    `final` tells whether another try would end the same way; `lost` that its workers died.
+    """
 
     task: Any
     value: Any = None
     failure: str | None = None
+    final: bool = True
     lost: bool = False
 
 
@@ -81,10 +85,12 @@ def attempt(function: Callable[[Any], Any], task: Any) -> Outcome:
     except LoopelasticaError as error:
         return Outcome(task, failure=str(error))
     except OSError as error:
-        return Outcome(task, failure=f"{error.filename or task}: {error.strerror or error}")
+        return Outcome(
+            task, failure=f"{error.filename or task}: {error.strerror or error}", final=False
+        )
     # one file must not stop the others, whatever is wrong with it
     except Exception as error:
-        return Outcome(task, failure=f"{task}: {type(error).__name__}: {error}")
+        return Outcome(task, failure=f"{task}: {type(error).__name__}: {error}", final=False)
 
 
 def _client(stack: ExitStack, jobs: int, scheduler: str | None) -> Any:
@@ -130,8 +136,7 @@ def _on_workers(
         if future.status == "finished":
             yield future.result()
         else:
-            yield Outcome(
-                task, failure=f"{task}: the workers it was on died; it is left out", lost=True
-            )
+            sentence = f"{task}: the workers it was on died; it is left out"
+            yield Outcome(task, failure=sentence, final=False, lost=True)
         future.release()
         give(1)
