@@ -14,7 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from loopelastica.errors import StructureError
-from loopelastica.folding import PERSISTENCE_LENGTH_A, clamping_of, native_backbone
+from loopelastica.folding import (
+    PERSISTENCE_LENGTH_A,
+    TAPER_MAX,
+    clamping_of,
+    native_backbone,
+)
 from loopelastica.molecule.clamp_rule import RNA_TAPER, default_clamp, expected_rmsd_A, plain_clamp
 from loopelastica.molecule.contacts import stem_atoms
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
@@ -123,8 +128,10 @@ def scan(
     """
     if min(extend_5_max, extend_3_max) < 0:
         raise ValueError("`extend_5_max` and `extend_3_max` must be 0 or more")
-    if not tapers or not all(0.0 <= taper <= 0.3 for taper in tapers):
-        raise ValueError(f"`tapers` {tuple(tapers)} must be one or more values from 0 to 0.3")
+    if not tapers or not all(0.0 <= taper <= TAPER_MAX for taper in tapers):
+        raise ValueError(
+            f"`tapers` {tuple(tapers)} must be one or more values from 0 to {TAPER_MAX}"
+        )
     structure = read_structure(path_or_universe)
     positions = structure.positions(0)
     options = {

@@ -22,8 +22,8 @@ STEM_CONTACT_A: Final = 3.4
 of the stem there is no room for an atom on the line."""
 
 SELF_CONTACT_A: Final = 5.0
-"""Two stretches of backbone: the same, and the 0.8 Å by which the atoms of either lie off its line
-on the side where they are least."""
+"""Two stretches of backbone: the same, and on either side the 0.8 Å by which the six backbone atoms
+lie off their line (means over the ideal strands 0.87 and 0.83 Å)."""
 
 APART: Final = 2.0
 """Nucleotides along the chain from which on a distance is a contact and not the chain itself."""
