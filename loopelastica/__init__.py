@@ -25,6 +25,9 @@ _PUBLIC = {
     "Hairpins": "molecule.hairpins",
     "fold": "folding",
     "LoopFold": "folding",
+    "scan": "scanning",
+    "LoopScan": "scanning",
+    "LoopElastica": "analysis",
     "Candidate": "rank",
     "to_dataframe": "table",
     "LoopelasticaError": "errors",
@@ -35,6 +38,7 @@ _PUBLIC = {
 __all__ = ["__version__", *_PUBLIC]
 
 if TYPE_CHECKING:
+    from loopelastica.analysis import LoopElastica as LoopElastica
     from loopelastica.errors import LoopelasticaError as LoopelasticaError
     from loopelastica.errors import MissingDependencyError as MissingDependencyError
     from loopelastica.errors import StructureError as StructureError
@@ -55,6 +59,8 @@ if TYPE_CHECKING:
     from loopelastica.rod.solve import Batch as Batch
     from loopelastica.rod.solve import solve as solve
     from loopelastica.rod.solve import solve_batch as solve_batch
+    from loopelastica.scanning import LoopScan as LoopScan
+    from loopelastica.scanning import scan as scan
     from loopelastica.table import to_dataframe as to_dataframe
 
 

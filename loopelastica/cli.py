@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from loopelastica.folding import LoopFold
+    from loopelastica.scanning import LoopScan
 
 app = typer.Typer(
     help="Folds nucleic-acid hairpin loops as elastic rods clamped to their stems.",
@@ -43,6 +44,13 @@ _Loops = Annotated[
         help="Only this loop, by its first and last nucleotide, such as A.13-24; repeatable. It may"
         " be absent from the file, then the numbers tell how many nucleotides it has.",
     ),
+]
+_Jobs = Annotated[
+    int | None,
+    typer.Option(help="Processes of a local dask cluster (extra `scale`); resumable.", min=1),
+]
+_Scheduler = Annotated[
+    str | None, typer.Option(help="Address of a running dask scheduler, tcp://…; resumable.")
 ]
 
 
@@ -83,6 +91,20 @@ def fold(
         float | None,
         typer.Option(help="Line length per nucleotide in Å; default 6.0 (RNA), 6.3 (DNA)."),
     ] = None,
+    stem_extend_5: Annotated[
+        int | None,
+        typer.Option(help="Nucleotides that continue the 5' strand; default by length.", min=0),
+    ] = None,
+    stem_extend_3: Annotated[
+        int | None,
+        typer.Option(help="Nucleotides that continue the 3' strand; default by length.", min=0),
+    ] = None,
+    taper: Annotated[
+        float | None,
+        typer.Option(
+            help="Radius lost per nucleotide on the 3' strand; default 0.2 (RNA), 0 (DNA)."
+        ),
+    ] = None,
     persistence_length: Annotated[
         float, typer.Option(help="Persistence length in Å that turns E/K0 into kT.")
     ] = 10.0,
@@ -110,8 +132,14 @@ def fold(
             show_default=False,
         ),
     ] = None,
+    jobs: _Jobs = None,
+    scheduler: _Scheduler = None,
 ) -> None:
-    """Fold every hairpin loop of the files; write tables, traces and a picture per hairpin."""
+    """Fold every hairpin loop of the files; write tables, traces and a picture per hairpin.
+
+    With --jobs or --scheduler for thousands of files: candidates.csv grows as results come, and the
+    same command resumes a run that was stopped.
+    """
     from tqdm import tqdm
 
     from loopelastica.errors import LoopelasticaError
@@ -122,6 +150,25 @@ def fold(
     from loopelastica.molecule.nucleotides import read_structure
     from loopelastica.output import Folders, write_fold
 
+    options: dict[str, Any] = {
+        "free_spin": not darboux,
+        "torsion_ratio": torsion_ratio,
+        "length_per_nucleotide_A": length_per_nucleotide,
+        "stem_extend_5": stem_extend_5,
+        "stem_extend_3": stem_extend_3,
+        "taper": taper,
+        "persistence_length_A": persistence_length,
+        "energy_max": energy_max,
+        "max_candidates": candidates,
+        "all_models": all_models,
+        "irregular": irregular,
+        "pair": pair or (),
+        "dot_bracket": dot_bracket,
+        "loop": loop or (),
+    }
+    if jobs is not None or scheduler is not None:
+        _fold_many(files, out, options, plot, jobs or 1, scheduler)
+        return
     folders = Folders(out)
     notes: list[str] = []
     results: list[tuple[str, LoopFold | str, Path | None]] = []
@@ -132,20 +179,7 @@ def fold(
                 structure, pair=pair or (), dot_bracket=dot_bracket, loop=loop or ()
             )
             notes += [f"{file.name}: {sentence}" for sentence in remarks(structure, found)]
-            loops = fold_file(
-                structure,
-                free_spin=not darboux,
-                torsion_ratio=torsion_ratio,
-                length_per_nucleotide_A=length_per_nucleotide,
-                persistence_length_A=persistence_length,
-                energy_max=energy_max,
-                max_candidates=candidates,
-                all_models=all_models,
-                irregular=irregular,
-                pair=pair or (),
-                dot_bracket=dot_bracket,
-                loop=loop or (),
-            )
+            loops = fold_file(structure, **options)
             small = len(structure.universe.atoms) <= WHOLE_ATOMS
             full = (
                 WholeStructure(structure) if loops and (small if whole is None else whole) else None
@@ -189,6 +223,42 @@ def fold(
         raise typer.Exit(1)
 
 
+def _fold_many(
+    files: list[Path],
+    out: Path,
+    options: dict[str, Any],
+    plot: bool,
+    jobs: int,
+    scheduler: str | None,
+) -> None:
+    from loopelastica.batch.folds import FOLDS
+    from loopelastica.batch.run import run, tasks_of
+    from loopelastica.errors import MissingDependencyError
+    from loopelastica.folding import checked_parameters
+
+    try:
+        tasks = tasks_of(files, {**checked_parameters(**options), "plot": plot}, out)
+        done = run(FOLDS, tasks, out, jobs, scheduler, progress=True)
+    except (ValueError, MissingDependencyError) as error:
+        raise typer.BadParameter(str(error)) from None
+    typer.echo(
+        f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} candidates in"
+        f" {done.table}"
+    )
+    _tell_failures(done.failures, out)
+
+
+def _tell_failures(failures: tuple[str, ...], out: Path) -> None:
+    """Print what failed, up to a screenful; exit status 1 if anything did."""
+    shown = 20
+    for sentence in failures[:shown]:
+        typer.echo(sentence, err=True)
+    if len(failures) > shown:
+        typer.echo(f"{len(failures) - shown} more in {out / 'failures.csv'}", err=True)
+    if failures:
+        raise typer.Exit(1)
+
+
 def _console() -> "Console":
     from rich.console import Console
 
@@ -209,7 +279,7 @@ def _fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> "Ta
     )
     for name in ("file", "closing pair", "sequence"):
         table.add_column(name, overflow="fold")
-    for name in ("rank", "E/K0 (1/Å)", "E (kT)", "RMSD (Å)", "models (Å)", "residual"):
+    for name in ("rank", "E/K0 (1/Å)", "E (kT)", "touches", "RMSD (Å)", "models (Å)", "residual"):
         table.add_column(name, justify="right")
     table.add_column("folder", overflow="fold")
     for name, result, folder in results:
@@ -230,12 +300,106 @@ def _fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> "Ta
                 str(c.rank),
                 f"{c.energy_per_A:.4f}",
                 f"{c.energy_kT:.2f}",
+                c.contacts.touched,
                 "" if c.rmsd_A is None else f"{c.rmsd_A:.2f}",
                 models,
                 f"{c.residual:.0e}",
                 str(folder) if first else "",
             )
         table.add_section()
+    return table
+
+
+@app.command()
+def evaluate(
+    folder: Annotated[
+        Path, typer.Argument(help="Folder of PDB and mmCIF files.", show_default=False)
+    ],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-evaluation"
+    ),
+    jobs: _Jobs = None,
+    scheduler: _Scheduler = None,
+) -> None:
+    """Compare folds and simple curves with the loops of many files; write a scoreboard.
+
+    The same command resumes a run that was stopped.
+    """
+    from loopelastica.errors import MissingDependencyError
+    from loopelastica.evaluation.scoreboard import evaluate as evaluate_folder
+
+    try:
+        done = evaluate_folder(folder, out, jobs or 1, scheduler, progress=True)
+    except (ValueError, MissingDependencyError) as error:
+        raise typer.BadParameter(str(error)) from None
+    typer.echo(f"{done.n_files} files, {done.n_rows} loops: {out / 'scoreboard.md'}")
+    _tell_failures(done.failures, out)
+
+
+@app.command()
+def scan(
+    file: Annotated[Path, typer.Argument(help="PDB or mmCIF file.", show_default=False)],
+    extend_5: Annotated[int, typer.Option(help="Most nucleotides on the 5' strand.", min=0)] = 2,
+    extend_3: Annotated[int, typer.Option(help="Most nucleotides on the 3' strand.", min=0)] = 3,
+    taper: Annotated[
+        list[float] | None, typer.Option(help="Tapers of the 3' strand; default 0 and 0.2.")
+    ] = None,
+    shown: Annotated[int, typer.Option(help="Shapes shown per loop.", min=1)] = 20,
+) -> None:
+    """Solve every clamp that the stem allows; rank all shapes by deformation energy."""
+    from loopelastica.errors import LoopelasticaError
+    from loopelastica.scanning import scan as scan_file
+
+    try:
+        scans = scan_file(
+            file, extend_5_max=extend_5, extend_3_max=extend_3, tapers=taper or (0.0, 0.2)
+        )
+    except LoopelasticaError as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(1) from None
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    for loop in scans:
+        if loop.failure:
+            typer.echo(f"{file}: {loop.failure}", err=True)
+        else:
+            _console().print(_scan_table(loop, shown))
+    if not scans:
+        typer.echo(f"{file}: no hairpin loop found", err=True)
+    if not scans or any(loop.failure for loop in scans):
+        raise typer.Exit(1)
+
+
+def _scan_table(loop: "LoopScan", shown: int) -> "Table":
+    from rich.table import Table
+
+    median, most = loop.expected_rmsd_A
+    table = Table(
+        title=f"{'–'.join(loop.hairpin.closing_pair)} {loop.hairpin.sequence}, by E/K0",
+        caption=f"{min(shown, len(loop.candidates))} of {len(loop.candidates)} shapes, spread"
+        f" {loop.spread_A:.1f} Å. Energy is no confidence: the least deformed shape is not the most"
+        f" probable one. Error to expect of the rule (*) for {len(loop.hairpin)} nucleotides:"
+        f" {median} Å (median), {most} Å (90 %).",
+        title_justify="left",
+        caption_justify="left",
+    )
+    for name in ("rank", "by E·L", "5' 3' ext.", "taper", "free", "E/K0 (1/Å)", "E·L/K0"):
+        table.add_column(name, justify="right")
+    table.add_column("touches")
+    table.add_column("RMSD (Å)", justify="right")
+    for c in loop.candidates[:shown]:
+        clamp, shape = c.ends.clamp, c.candidate
+        table.add_row(
+            f"{shape.rank}{'*' if c.is_rule else ' '}",
+            str(c.rank_by_EL),
+            f"{clamp.stem_extend_5} {clamp.stem_extend_3}",
+            f"{clamp.taper:g}",
+            str(c.ends.n_free),
+            f"{shape.energy_per_A:.4f}",
+            f"{shape.rod.energy:.2f}",
+            shape.contacts.touched,
+            "" if shape.rmsd_A is None else f"{shape.rmsd_A:.2f}",
+        )
     return table
 
 

@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from loopelastica.errors import StructureError
+from loopelastica.molecule.clamp_rule import default_clamp
+from loopelastica.molecule.contacts import stem_atoms
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
 from loopelastica.molecule.nucleotides import Nucleotides, centroids_at, read_structure
 from loopelastica.molecule.selection import as_texts
-from loopelastica.molecule.stem_ends import StemEnds, stem_ends
+from loopelastica.molecule.stem_ends import PlacedStem, StemEnds, placed_stem
 from loopelastica.rank import Candidate, rank
 from loopelastica.rod.clamping import Array, Clamping, read_only
 from loopelastica.rod.equilibria import equilibria
@@ -31,8 +33,8 @@ if TYPE_CHECKING:
 # the scale of energy_kT
 PERSISTENCE_LENGTH_A = 10.0
 
-# the ideal strand misses the Z stem of 1D16 by 1.56 Å, every A or B stem measured by at most 1.10
-IRREGULAR_RMS_A = 1.3
+# beyond, the strand would turn straight to its axis
+TAPER_MAX = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +46,7 @@ class LoopFold:
     hairpin : Hairpin
         What was folded.
     candidates : tuple of Candidate
-        Ranked, least energy first; empty if ``failure`` says why the loop could not be folded.
+        Ranked; empty if ``failure`` says why the loop could not be folded.
     failure : str or None
         One sentence, or None.
     ends : StemEnds or None
@@ -52,7 +54,7 @@ class LoopFold:
     clamping : Clamping or None
         The same, dimensionless.
     length_A : float
-        Length of the line, Å.
+        Length of the rod, Å; ``ends.clamp`` tells how many nucleotides it carries.
     backbone_A : (n_nt + 2, 3) ndarray or None
         Centroids of the file's own backbone, closing nucleotide to closing nucleotide (first
         model); None where the file has no loop. For comparison only.
@@ -85,6 +87,9 @@ def fold(
     free_spin: bool = True,
     torsion_ratio: float = 1.0,
     length_per_nucleotide_A: float | None = None,
+    stem_extend_5: int | None = None,
+    stem_extend_3: int | None = None,
+    taper: float | None = None,
     persistence_length_A: float = PERSISTENCE_LENGTH_A,
     energy_max: float | None = None,
     max_candidates: int = 10,
@@ -107,6 +112,12 @@ def fold(
         K3/K0 of the backbone; unmeasured for single strands.
     length_per_nucleotide_A : float, optional
         Line length per loop nucleotide; default 6.0 (RNA) or 6.3 (DNA).
+    stem_extend_5, stem_extend_3 : int, optional
+        Loop nucleotides laid on the continued 5' and 3' strand of the stem. Default: the rule of
+        :mod:`loopelastica.molecule.clamp_rule`, less where the rod could not span its ends.
+    taper : float, optional
+        Loss of radius per nucleotide of the continued 3' strand, in units of its radius. Default:
+        the same rule. ``stem_extend_5=0, stem_extend_3=0, taper=0`` clamps at the closing pair.
     persistence_length_A : float
         Sets the scale of ``energy_kT`` (K0 = kT·lp).
     energy_max : float, optional
@@ -133,23 +144,22 @@ def fold(
     ValueError
         If an option is out of range.
     """
-    parameters = {
-        "free_spin": bool(free_spin),
-        "torsion_ratio": _positive("torsion_ratio", torsion_ratio),
-        "length_per_nucleotide_A": (
-            None
-            if length_per_nucleotide_A is None
-            else _positive("length_per_nucleotide_A", length_per_nucleotide_A)
-        ),
-        "persistence_length_A": _positive("persistence_length_A", persistence_length_A),
-        "energy_max": None if energy_max is None else _positive("energy_max", energy_max),
-        "max_candidates": int(_positive("max_candidates", max_candidates)),
-        "all_models": bool(all_models),
-        "irregular": bool(irregular),
-        "pair": list(as_texts(pair)),
-        "dot_bracket": dot_bracket,
-        "loop": list(as_texts(loop)),
-    }
+    parameters = checked_parameters(
+        free_spin=free_spin,
+        torsion_ratio=torsion_ratio,
+        length_per_nucleotide_A=length_per_nucleotide_A,
+        stem_extend_5=stem_extend_5,
+        stem_extend_3=stem_extend_3,
+        taper=taper,
+        persistence_length_A=persistence_length_A,
+        energy_max=energy_max,
+        max_candidates=max_candidates,
+        all_models=all_models,
+        irregular=irregular,
+        pair=pair,
+        dot_bracket=dot_bracket,
+        loop=loop,
+    )
     structure = read_structure(path_or_universe)
     hairpins = find_hairpins(structure, pair=pair, dot_bracket=dot_bracket, loop=loop)
     folds: list[list[LoopFold]] = [[] for _ in hairpins]
@@ -161,6 +171,46 @@ def fold(
     return [_together(models) for models in folds]
 
 
+def checked_parameters(
+    *,
+    free_spin: bool = True,
+    torsion_ratio: float = 1.0,
+    length_per_nucleotide_A: float | None = None,
+    stem_extend_5: int | None = None,
+    stem_extend_3: int | None = None,
+    taper: float | None = None,
+    persistence_length_A: float = PERSISTENCE_LENGTH_A,
+    energy_max: float | None = None,
+    max_candidates: int = 10,
+    all_models: bool = True,
+    irregular: bool = False,
+    pair: str | Sequence[str] = (),
+    dot_bracket: str | None = None,
+    loop: str | Sequence[str] = (),
+) -> dict[str, Any]:
+    """The options of :func:`fold`, each in range, for :func:`fold_positions`."""
+    return {
+        "free_spin": bool(free_spin),
+        "torsion_ratio": _positive("torsion_ratio", torsion_ratio),
+        "length_per_nucleotide_A": (
+            None
+            if length_per_nucleotide_A is None
+            else _positive("length_per_nucleotide_A", length_per_nucleotide_A)
+        ),
+        "stem_extend_5": _extension("stem_extend_5", stem_extend_5),
+        "stem_extend_3": _extension("stem_extend_3", stem_extend_3),
+        "taper": _taper(taper),
+        "persistence_length_A": _positive("persistence_length_A", persistence_length_A),
+        "energy_max": None if energy_max is None else _positive("energy_max", energy_max),
+        "max_candidates": int(_positive("max_candidates", max_candidates)),
+        "all_models": bool(all_models),
+        "irregular": bool(irregular),
+        "pair": list(as_texts(pair)),
+        "dot_bracket": dot_bracket,
+        "loop": list(as_texts(loop)),
+    }
+
+
 def fold_positions(
     nucleotides: Nucleotides, hairpin: Hairpin, positions: Array, **parameters: Any
 ) -> LoopFold:
@@ -169,12 +219,8 @@ def fold_positions(
     ``parameters`` are those of :func:`fold`. A loop that cannot be folded says why in ``failure``.
     """
     try:
-        ends = stem_ends(nucleotides, hairpin, positions)
-        remarks = list(_irregular(hairpin, ends, parameters.get("irregular", False)))
-        length_A = ends.length_A
-        if parameters["length_per_nucleotide_A"] is not None:
-            length_A = len(hairpin.loop) * parameters["length_per_nucleotide_A"]
-        clamping = _clamp(hairpin, ends, length_A, parameters["free_spin"])
+        ends = clamped_ends(placed_stem(nucleotides, hairpin, positions), parameters)
+        clamping = clamping_of(ends, parameters["free_spin"])
         # shapes that only a second round finds cost tens of kT more than the first
         rods = equilibria(clamping, parameters["torsion_ratio"], parameters["energy_max"], rounds=1)
         if not rods:
@@ -184,22 +230,22 @@ def fold_positions(
             )
     except StructureError as error:
         return LoopFold(hairpin, (), parameters, failure=str(error))
-    shown = np.concatenate([hairpin.stem_5[:1], hairpin.loop, hairpin.stem_3[:1]])
-    backbone = centroids_at(nucleotides, positions, shown)
-    backbone_A = read_only(backbone) if np.isfinite(backbone).all() else None
+    remarks = []
+    if not ends.regular:
+        remarks.append(f"{_name(hairpin)}: {ends.misfit}; the clamp means little")
+    backbone_A = native_backbone(nucleotides, hairpin, positions)
     if backbone_A is None:
         remarks.append(
             f"{_name(hairpin)}: the file lacks backbone atoms of the loop, so the trace is compared"
             " with nothing"
         )
     candidates = rank(
-        rods[: parameters["max_candidates"]],
+        rods,
         ends,
-        length_A,
-        len(hairpin.loop),
         parameters["persistence_length_A"],
+        stem_atoms(nucleotides, hairpin, positions),
         None if backbone_A is None else backbone_A[1:-1],
-    )
+    )[: parameters["max_candidates"]]
     return LoopFold(
         hairpin,
         candidates,
@@ -207,7 +253,7 @@ def fold_positions(
         None,
         ends,
         clamping,
-        length_A,
+        ends.length_A,
         backbone_A,
         (),
         rods.unseen,
@@ -215,44 +261,49 @@ def fold_positions(
     )
 
 
-def stem_rms_A(ends: StemEnds) -> float:
-    """Misfit of the ideal strands to the stem, Å: the worse strand, over its last two nucleotides.
+def clamped_ends(stem: PlacedStem, parameters: dict[str, Any]) -> StemEnds:
+    """Ends of the rod by the options in force, else by the rule.
 
-    Over the closing nucleotide where the stem has no second pair.
+    Raises
+    ------
+    StructureError
+        If the stem is no A or B helix, or no rod of this length spans the ends.
     """
-    return float(np.max(ends.fit_rms_A if ends.stem_rms_A is None else ends.stem_rms_A))
+    hairpin = stem.hairpin
+    asked = {
+        name: parameters[name]
+        for name in ("stem_extend_5", "stem_extend_3", "taper", "length_per_nucleotide_A")
+        if parameters[name] is not None
+    }
+    clamp = replace(default_clamp(hairpin.is_dna, len(hairpin)), **asked)
+    # what the user asked for is not taken back
+    fixed = {"stem_extend_5", "stem_extend_3"} & asked.keys()
+    ends = stem.ends(clamp) if fixed else stem.feasible(clamp)
+    if not parameters["irregular"]:
+        ends.check_regular(_name(hairpin))
+    return ends.check_reach(_name(hairpin))
 
 
-def _irregular(hairpin: Hairpin, ends: StemEnds, accepted: bool) -> Iterator[str]:
-    """Refuse a stem that is no A or B helix, or say so where the user accepts it."""
-    rms_A = stem_rms_A(ends)
-    if rms_A <= IRREGULAR_RMS_A:
-        return
-    kind = "B-DNA" if hairpin.is_dna else "A-RNA"
-    fact = (
-        f"{_name(hairpin)}: ideal {kind} misses the stem by {rms_A:.2f} Å (over"
-        f" {IRREGULAR_RMS_A} Å), so it is no A or B helix"
-    )
-    if not accepted:
-        raise StructureError(f"{fact} and the loop is not folded (`irregular` folds it)")
-    yield f"{fact} and the clamp means little"
-
-
-def _clamp(hairpin: Hairpin, ends: StemEnds, length_A: float, free_spin: bool) -> Clamping:
-    distance_A = math.dist(ends.start_origin_A, ends.end_origin_A)
-    if distance_A >= length_A:
-        raise StructureError(
-            f"{_name(hairpin)}: the stem ends are {distance_A:.1f} Å apart but the loop's line is"
-            f" only {length_A:.1f} Å long; no rod fits and the loop is not folded"
-        )
+def clamping_of(ends: StemEnds, free_spin: bool) -> Clamping:
+    """The dimensionless clamping of a rod between two ends."""
     return Clamping.from_frames(
         ends.start_origin_A,
         ends.start_frame,
         ends.end_origin_A,
         ends.end_frame,
-        length_A,
+        ends.length_A,
         free_spin,
     )
+
+
+def native_backbone(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array) -> Array | None:
+    """Centroids (n_nt + 2, 3) from closing to closing nucleotide; None if one is not in the file.
+
+    For comparison only.
+    """
+    shown = np.concatenate([hairpin.stem_5[:1], hairpin.loop, hairpin.stem_3[:1]])
+    backbone = centroids_at(nucleotides, positions, shown)
+    return read_only(backbone) if np.isfinite(backbone).all() else None
 
 
 def _together(models: list[LoopFold]) -> LoopFold:
@@ -286,3 +337,17 @@ def _positive(name: str, value: float) -> float:
     if not (math.isfinite(value) and value > 0):
         raise ValueError(f"`{name}` is {value}; it must be positive and finite")
     return float(value)
+
+
+def _extension(name: str, value: int | None) -> int | None:
+    if value is not None and (value != int(value) or value < 0):
+        raise ValueError(
+            f"`{name}` is {value}; it must be a whole number of nucleotides, 0 or more"
+        )
+    return None if value is None else int(value)
+
+
+def _taper(value: float | None) -> float | None:
+    if value is not None and not 0.0 <= value <= TAPER_MAX:
+        raise ValueError(f"`taper` is {value}; it must be between 0 and {TAPER_MAX}")
+    return None if value is None else float(value)

@@ -10,7 +10,7 @@ import numpy as np
 
 from loopelastica import __version__
 from loopelastica.errors import StructureError
-from loopelastica.folding import IRREGULAR_RMS_A, stem_rms_A
+from loopelastica.molecule.clamp_rule import STEM_RMS_MAX_A
 from loopelastica.molecule.hairpins import Hairpin, Hairpins
 from loopelastica.molecule.nucleotides import Structure, enumerated
 from loopelastica.molecule.stem_ends import stem_ends
@@ -99,7 +99,7 @@ def _hairpin(structure: Structure, hairpin: Hairpin) -> dict[str, Any]:
         "absent": int((hairpin.loop < 0).sum()),
         "stem_pairs": hairpin.n_pairs,
         "stem_rms_A": rms_A,
-        "regular": rms_A is not None and rms_A <= IRREGULAR_RMS_A,
+        "regular": rms_A is not None and rms_A <= STEM_RMS_MAX_A,
         "refusal": refusal,
         "contacts": [list(pair) for pair in hairpin.contacts],
         "kissing": list(hairpin.kissing),
@@ -112,4 +112,4 @@ def stem_check(structure: Structure, hairpin: Hairpin) -> tuple[float | None, st
         ends = stem_ends(structure.nucleotides, hairpin, structure.positions(0))
     except StructureError as error:
         return None, str(error)
-    return stem_rms_A(ends), None
+    return ends.rms_A, None

@@ -30,7 +30,7 @@ from loopelastica.exports import (
     write_chimerax,
     write_pymol,
 )
-from loopelastica.folding import LoopFold, stem_rms_A
+from loopelastica.folding import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.molecule.trace import to_file_coordinates
 from loopelastica.rank import Candidate
@@ -41,17 +41,21 @@ LINE_POINTS = 101
 
 
 class Folders:
-    """Names for the hairpins' folders: two inputs of one name get different ones."""
+    """Names for the hairpins' folders: two inputs of one name get different ones.
 
-    def __init__(self, root: Path) -> None:
+    `number` is 2, 3 … for a file whose namesakes are somebody else's work.
+    """
+
+    def __init__(self, root: Path, number: int = 1) -> None:
         self.root = root
+        self._before = number - 1
         self._taken: dict[str, int] = {}
 
     def claim(self, source: Path, fold: LoopFold) -> Path:
         """The folder of one hairpin: <file>_<chain><first>-<last>, numbered from the second on."""
         stem = source.name.removesuffix(".gz").rsplit(".", 1)[0] or source.name
         name = f"{stem}_{fold.hairpin.name}"
-        count = self._taken[name] = self._taken.get(name, 0) + 1
+        count = self._taken[name] = self._taken.get(name, self._before) + 1
         return self.root / (name if count == 1 else f"{name}_{count}")
 
 
@@ -157,8 +161,15 @@ def row(candidate: Candidate) -> dict[str, Any]:
         "rmsd_models_sd_A": deviation,
         "n_models": count,
         "length_A": candidate.length_A,
+        "touching": candidate.contacts.touching,
+        "stem_contact_A": _finite(candidate.contacts.stem_A),
+        "self_contact_A": _finite(candidate.contacts.self_A),
         "twist_turns": candidate.rod.twist,
     }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def ranking(source: Path, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[str, Any]:
@@ -184,16 +195,17 @@ def ranking(source: Path, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[s
         "parameters": fold.parameters,
         "length": {
             "length_A": fold.length_A,
-            "nucleotides": len(hairpin.loop),
-            "per_nucleotide_A": fold.length_A / len(hairpin.loop),
+            "nucleotides": fold.ends.n_free,
+            "per_nucleotide_A": fold.ends.clamp.length_per_nucleotide_A,
             "from": "option length_per_nucleotide_A"
             if fold.parameters["length_per_nucleotide_A"] is not None
             else f"default for {'DNA' if hairpin.is_dna else 'RNA'}",
         },
         "clamp": {
             "from": "ideal strands fitted to each stem strand; no loop atom",
+            **fold.ends.clamp.to_dict(),
             "fit_rms_A": np.asarray(fold.ends.fit_rms_A).tolist(),
-            "stem_rms_A": stem_rms_A(fold.ends),
+            "stem_rms_A": fold.ends.rms_A,
             "start_origin_A": np.asarray(fold.ends.start_origin_A).tolist(),
             "start_frame": np.asarray(fold.ends.start_frame).tolist(),
             "end_origin_A": np.asarray(fold.ends.end_origin_A).tolist(),
@@ -255,7 +267,7 @@ def loop_record(fold: LoopFold) -> dict[str, Any]:
         "closing_5": hairpin.closing_pair[0],
         "closing_3": hairpin.closing_pair[1],
         "sequence": hairpin.sequence,
-        "stem_rms_A": None if fold.ends is None else stem_rms_A(fold.ends),
+        "stem_rms_A": None if fold.ends is None else fold.ends.rms_A,
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from loopelastica.errors import MissingDependencyError
+from loopelastica._pandas import pandas
 from loopelastica.folding import LoopFold
 from loopelastica.output import loop_record, record
 
@@ -41,15 +41,11 @@ def to_dataframe(folds: Iterable[LoopFold]) -> DataFrame:
     >>> print(table.loc[0, "sequence"], round(table.loc[0, "rmsd_A"], 2))
     CUUCGG 1.44
     """
-    try:
-        import pandas
-    except ImportError:
-        raise MissingDependencyError(
-            "a table needs pandas; install it with `pip install loopelastica[table]`"
-        ) from None
+    module = pandas()
     rows = []
     for fold in folds:
         rows += [{**record(fold, candidate), "failure": None} for candidate in fold.candidates]
         if fold.failure is not None:
             rows.append({**loop_record(fold), "failure": fold.failure})
-    return pandas.DataFrame(rows)
+    table: DataFrame = module.DataFrame(rows)
+    return table

@@ -86,6 +86,9 @@ A_RNA: Final = Strand(
     fitted_nucleotides=1,
 )
 
+TAPER_ONSET: Final = 0.5
+"""Nucleotides over which a taper sets in, from the closing nucleotide to the clamp of the loop."""
+
 
 def ideal_strand(is_dna: bool) -> Strand:
     """B-DNA or A-RNA.
@@ -131,8 +134,15 @@ def line_length_A(strand: Strand) -> float:
     return float(np.hypot(line_cylinder(strand)[0] * np.deg2rad(strand.turn_deg), strand.rise_A))
 
 
-def line_frame(strand: Strand, phase: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Point and Darboux frame of the helix line through the centroids.
+def line_frame(
+    strand: Strand, phase: float, taper: float = 0.0
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Point and Darboux frame of the helix line through the centroids, or of its tapered form.
+
+    The tapered line is the helix down to phase 0. Beyond, at k = −phase > 0 nucleotides from the
+    3' closing one into the loop, its radius shrinks by `taper` of itself per nucleotide, a rate
+    that sets in evenly over the first `TAPER_ONSET`. Turn and length of line per nucleotide stay
+    those of the helix, so that the rise grows.
 
     Parameters
     ----------
@@ -140,19 +150,73 @@ def line_frame(strand: Strand, phase: float) -> tuple[NDArray[np.float64], NDArr
         Which ideal strand.
     phase : float
         Place along the strand in nucleotides; whole numbers are centroids.
+    taper : float
+        Loss of radius per nucleotide, in units of the helix radius.
 
     Returns
     -------
     point_A : (3,) array
         Å.
     frame : (3, 3) array
-        Columns d1 (towards the helix axis), d2 = d3 × d1, d3 (tangent, 5' to 3').
+        Columns d1 (towards the helix axis, at right angles to d3), d2 = d3 × d1, d3 (tangent,
+        5' to 3').
+
+    Raises
+    ------
+    ValueError
+        If the tapered line has reached its own axis.
+
+    Examples
+    --------
+    >>> for taper in (0.0, 0.2):
+    ...     point = line_frame(A_RNA, -2.0, taper)[0]
+    ...     height = point[2] - line_frame(A_RNA, 0.0)[0][2]
+    ...     print(f"radius {np.hypot(*point[:2]):.1f} Å, {height:.1f} Å up")
+    radius 9.0 Å, 5.6 Å up
+    radius 5.9 Å, 6.9 Å up
     """
     radius, angle, height = line_cylinder(strand)
     turn = np.deg2rad(strand.turn_deg)
+    beyond = max(-phase, 0.0)
+    fraction, shrinking = _tapered_radius(beyond, taper)
+    if fraction <= 0.0:
+        raise ValueError(
+            f"`taper` {taper:g} brings the strand to its own axis within {beyond:g} nucleotides"
+        )
     c, s = np.cos(angle + phase * turn), np.sin(angle + phase * turn)
-    d1 = np.array([-c, -s, 0.0])
-    d3 = np.array([-radius * turn * s, radius * turn * c, strand.rise_A])
+    outwards, around = np.array([c, s, 0.0]), np.array([-s, c, 0.0])
+    point = radius * fraction * outwards
+    point[2] = height + max(phase, 0.0) * strand.rise_A - _tapered_rise(strand, beyond, taper)
+    d3 = radius * (shrinking * outwards + fraction * turn * around)
+    d3[2] = _rise_rate(strand, fraction, shrinking)
     d3 /= np.linalg.norm(d3)
-    point = np.array([radius * c, radius * s, height + phase * strand.rise_A])
+    d1 = (outwards @ d3) * d3 - outwards
+    d1 /= np.linalg.norm(d1)
     return point, np.stack([d1, np.cross(d3, d1), d3], axis=1)
+
+
+def _tapered_radius(beyond: float, taper: float) -> tuple[float, float]:
+    """Radius in units of the helix radius, and what it loses per nucleotide."""
+    early = min(beyond, TAPER_ONSET)
+    lost = beyond - early + early**2 / (2.0 * TAPER_ONSET)
+    return 1.0 - taper * lost, taper * early / TAPER_ONSET
+
+
+def _rise_rate(strand: Strand, fraction: float, shrinking: float) -> float:
+    """Rise per nucleotide (signed as that of the helix) that keeps the line's length, Å."""
+    across = line_cylinder(strand)[0] * np.hypot(fraction * np.deg2rad(strand.turn_deg), shrinking)
+    return float(np.copysign(np.sqrt(line_length_A(strand) ** 2 - across**2), strand.rise_A))
+
+
+def _tapered_rise(strand: Strand, beyond: float, taper: float) -> float:
+    """Rise (signed as that of the helix) over the first `beyond` tapered nucleotides, Å."""
+    if taper == 0.0:
+        return beyond * strand.rise_A
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    total = 0.0
+    # the rate has a kink where the onset ends
+    for low, high in ((0.0, min(beyond, TAPER_ONSET)), (TAPER_ONSET, max(beyond, TAPER_ONSET))):
+        half = 0.5 * (high - low)
+        rates = [_rise_rate(strand, *_tapered_radius(low + half * (1 + x), taper)) for x in nodes]
+        total += half * float(weights @ rates)
+    return total

@@ -74,3 +74,32 @@ def test_the_helix_is_right_handed():
 def test_lengths_for_loops_are_those_of_real_stems():
     assert ideal_strand(is_dna=True).length_per_nucleotide_A == 6.3
     assert ideal_strand(is_dna=False).length_per_nucleotide_A == 6.0
+
+
+@pytest.mark.parametrize("strand", [A_RNA, B_DNA], ids=lambda strand: strand.name)
+@pytest.mark.parametrize("taper", [0.0, 0.1, 0.2, 0.3])
+def test_a_tapered_line_keeps_its_length_and_its_frames_follow_it(strand, taper):
+    phases = -np.linspace(0.01, 3.4, 341)
+    points = np.array([line_frame(strand, x, taper)[0] for x in phases])
+    tangents = np.array([line_frame(strand, x, taper)[1][:, 2] for x in phases])
+    per_phase = np.gradient(points, phases, axis=0)[5:-5]
+    lengths = np.linalg.norm(per_phase, axis=1)
+    np.testing.assert_allclose(lengths, line_length_A(strand), rtol=2e-3)
+    np.testing.assert_allclose(per_phase / lengths[:, None], tangents[5:-5], atol=5e-3)
+    for x in phases[::40]:
+        frame = line_frame(strand, x, taper)[1]
+        np.testing.assert_allclose(frame.T @ frame, np.eye(3), atol=1e-12)
+    radius = np.hypot(*points[[0, 150, 250]].T[:2])
+    lost = -phases[[0, 150, 250]] - 0.25
+    lost[0] = 0.01**2
+    np.testing.assert_allclose(radius, line_cylinder(strand)[0] * (1 - taper * lost), rtol=1e-9)
+
+
+def test_a_taper_changes_nothing_inside_the_stem_and_ends_at_the_axis():
+    for phase in (0.0, 0.5, 3.0):
+        for plain, tapered in zip(
+            line_frame(A_RNA, phase), line_frame(A_RNA, phase, 0.2), strict=True
+        ):
+            np.testing.assert_array_equal(plain, tapered)
+    with pytest.raises(ValueError, match="axis"):
+        line_frame(A_RNA, -6.0, 0.2)

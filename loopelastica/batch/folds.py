@@ -1,0 +1,72 @@
+"""The work of ``loopelastica fold`` on one file of many."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+from loopelastica.batch.journal import Record
+from loopelastica.batch.run import Task, Work
+from loopelastica.folding import LoopFold, fold
+from loopelastica.molecule.nucleotides import read_structure
+from loopelastica.output import Folders, row, write_fold
+
+_LOOP = ("file", "loop", "kind", "closing_pair", "sequence", "nucleotides")
+_CLAMP = ("stem_extend_5", "stem_extend_3", "taper", "length_per_nucleotide_A")
+_SHAPE = (
+    *("rank", "energy_per_A", "energy_kT", "energy_dimensionless", "stable", "residual"),
+    *("rmsd_A", "rmsd_models_mean_A", "rmsd_models_sd_A", "n_models", "length_A"),
+    *("touching", "stem_contact_A", "self_contact_A", "twist_turns"),
+)
+COLUMNS = (*_LOOP, *_CLAMP, "stem_rms_A", *_SHAPE, "folder")
+
+
+def fold_file(task: Task) -> Record:
+    """Fold all loops of a file and write their folders; a row per candidate.
+
+    ``task.options`` holds the options of :func:`loopelastica.fold`, and ``plot``.
+    """
+    source = Path(task.source)
+    options = dict(task.options)
+    plot = options.pop("plot")
+    structure = read_structure(source)
+    loops = fold(structure, **options)
+    folders = Folders(Path(task.out), task.number)
+    rows, failures = [], []
+    if not loops:
+        failures.append(f"{source}: no hairpin loop found; nothing to fold")
+    for loop in loops:
+        failures += [f"{source.name}: {sentence}" for sentence in loop.model_failures]
+        if loop.failure is not None:
+            failures.append(f"{source.name}: {loop.failure}")
+            continue
+        folder = folders.claim(source, loop)
+        write_fold(folder, source, loop, structure, plot=plot)
+        # what a killed worker has begun
+        for begun in folder.parent.glob(f".{folder.name}.*"):
+            shutil.rmtree(begun, ignore_errors=True)
+        rows += [{**r, "folder": folder.name} for r in loop_rows(source, loop)]
+    return {"rows": rows, "failures": failures}
+
+
+def loop_rows(source: Path, loop: LoopFold) -> list[dict[str, Any]]:
+    """Rows of one loop: what it is, its clamp, and each candidate."""
+    assert loop.ends is not None
+    hairpin = loop.hairpin
+    about = {
+        "file": source.name,
+        "loop": hairpin.name,
+        "kind": "DNA" if hairpin.is_dna else "RNA",
+        "closing_pair": "–".join(hairpin.closing_pair),
+        "sequence": hairpin.sequence,
+        "nucleotides": len(hairpin),
+        **loop.ends.clamp.to_dict(),
+        "stem_rms_A": loop.ends.rms_A,
+    }
+    return [{**about, **row(candidate)} for candidate in loop.candidates]
+
+
+def _folders_are_there(task: Task, record: Record) -> bool:
+    return all((Path(task.out) / row["folder"]).is_dir() for row in record["rows"])
+
+
+FOLDS = Work("candidates", fold_file, COLUMNS, _folders_are_there)
