@@ -279,7 +279,7 @@ def clamped_ends(stem: PlacedStem, parameters: dict[str, Any]) -> StemEnds:
     # what the user asked for is not taken back
     fixed = {"stem_extend_5", "stem_extend_3"} & asked.keys()
     ends = stem.ends(clamp) if fixed else stem.feasible(clamp)
-    if not parameters["irregular"]:
+    if not parameters.get("irregular", False):
         ends.check_regular(_name(hairpin))
     return ends.check_reach(_name(hairpin))
 

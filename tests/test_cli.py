@@ -49,7 +49,7 @@ def test_ranking_json_tells_all_that_is_needed_to_repeat_it(folded):
     first = content["candidates"][0]
     assert first["rmsd_A"] < 2.2
     assert content["clamp"]["taper"] == 0.2
-    assert max(content["clamp"]["stem_rms_A"]) < 1.3
+    assert content["clamp"]["stem_rms_A"] < 1.3
     assert len(first["rmsd_models_A"]) == 20
     assert len(content["clamp"]["clamping_parameters"]) == 6
     with (folded[0] / "ranking.csv").open() as file:

