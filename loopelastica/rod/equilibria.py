@@ -169,19 +169,14 @@ def equilibria(
     stretched = straight(clamping, torsion_ratio)
     if stretched is not None:
         return _result([_Found(stretched, 2)], energy_max, 1)
-    from loopelastica.rod.library import library
-
     found: list[_Found] = []
-    stored = library(torsion_ratio, clamping.free_spin)
     planned = (_FREE_ROUNDS if clamping.free_spin else _ROUNDS)[:rounds]
     if turns is not None and not clamping.free_spin:
         wound = tuple(
             (turns + n, *sides, kick) for kick in (0, -1) for n in (0, 1, -1) for sides in _SIDES
         )
         planned = ((wound, 0), *planned)
-    guesses = stored.nearest(
-        clamping.position[None], clamping.rotation[None], sum(count for _, count in planned)
-    )[0]
+    guesses = _stored(clamping, torsion_ratio, sum(count for _, count in planned))
     starts = used = 0
     waves = _nearly_in_line(clamping)
     for number, (everything, count) in enumerate(planned, start=1):
@@ -200,6 +195,16 @@ def equilibria(
             break
     result[:] = [assess(rod) for rod in result]
     return result
+
+
+def _stored(clamping: Clamping, torsion_ratio: float, count: int) -> Array:
+    """Loads (count, 6) of the stored rods nearest to a clamping."""
+    if count == 0:
+        return np.empty((0, 6))
+    from loopelastica.rod.library import library
+
+    stored = library(torsion_ratio, clamping.free_spin)
+    return stored.nearest(clamping.position[None], clamping.rotation[None], count)[0]
 
 
 def _nearly_in_line(clamping: Clamping) -> bool:
