@@ -1,0 +1,200 @@
+"""Ideal geometry of a loop as restraints: which atoms, what lengths, angles, volumes and contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from loopelastica.atoms.chemistry import LoopMolecule, Residue
+from loopelastica.atoms.ideal import ideal_value
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+BOND_SD_A: Final = 0.012
+ANGLE_SD_DEG: Final = 2.0
+"""Standard deviations of the sources are 0.004–0.017 Å and 0.4–3.2°; one for all keeps it simple."""
+VOLUME_SD_A3: Final = 0.15
+PLANAR_SD_A3: Final = 0.10
+
+CHIRALITY: Final = (
+    # centre, three neighbours whose signed volume is positive, and its size from the fibre, Å³;
+    # of the phosphorus it decides which oxygen is OP1
+    ("C1'", ("O4'", "C2'", "base"), 2.45),
+    ("C3'", ("C4'", "C2'", "O3'"), 2.6),
+    ("C4'", ("C5'", "C3'", "O4'"), 2.55),
+    ("C2'", ("C1'", "O2'", "C3'"), 2.6),
+    ("P", ("O3'", "OP1", "OP2"), 2.45),
+)
+
+NEAREST_A: Final = 3.1
+NEAREST_POLAR_A: Final = 2.7
+NEAREST_1_4_A: Final = 2.5
+"""Least distances of atoms four or more bonds apart, of nitrogen and oxygen among them, and of
+atoms three bonds apart. Van der Waals radii less what hydrogen bonds and close contacts in crystals
+take away."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class IdealGeometry:
+    """Bonds (b, 2), lengths; angles (a, 3), degrees; both over the rows of a `LoopMolecule`."""
+
+    bonds: Index
+    length_A: Array
+    angles: Index
+    angle_deg: Array
+
+
+def ideal_geometry(molecule: LoopMolecule) -> IdealGeometry:
+    """Ideal lengths and angles of every bond and angle that has a loop atom in it."""
+    n = len(molecule.residues)
+    moving = [0 <= r < n for r in molecule.residue]
+    fallback = _Mmff(molecule.mol)
+    bonds, lengths, angles, degrees = [], [], [], []
+    for i, j in molecule.bonds:
+        if moving[i] or moving[j]:
+            bonds.append((i, j))
+            value = _tabulated(molecule, i, j)
+            lengths.append(fallback.length(i, j) if value is None else value)
+    for i, j, k in _angles(molecule):
+        if moving[i] or moving[j] or moving[k]:
+            angles.append((i, j, k))
+            value = _tabulated(molecule, i, j, k)
+            degrees.append(fallback.angle(i, j, k) if value is None else value)
+    return IdealGeometry(
+        np.array(bonds), np.array(lengths), np.array(angles), np.array(degrees)
+    )
+
+
+def outer_distances(geometry: IdealGeometry) -> tuple[Index, Array, Array]:
+    """Angles as distances of their outer atoms: pairs (a, 2), lengths and deviations (a,), Å."""
+    length = {
+        frozenset(pair): value
+        for pair, value in zip(geometry.bonds.tolist(), geometry.length_A.tolist(), strict=True)
+    }
+    pairs, values, deviations = [], [], []
+    for (i, j, k), degrees in zip(
+        geometry.angles.tolist(), geometry.angle_deg.tolist(), strict=True
+    ):
+        # a bond of two stem atoms is not restrained, its length is near enough to this
+        a, b = (length.get(frozenset(pair), 1.5) for pair in ((i, j), (j, k)))
+        angle = np.deg2rad(degrees)
+        outer = np.sqrt(a * a + b * b - 2.0 * a * b * np.cos(angle))
+        pairs.append((i, k))
+        values.append(outer)
+        deviations.append(a * b * np.sin(angle) / outer * np.deg2rad(ANGLE_SD_DEG))
+    return np.array(pairs), np.array(values), np.array(deviations)
+
+
+def chiral_quads(molecule: LoopMolecule) -> tuple[Index, Array]:
+    """Centre and three neighbours (q, 4) and their signed volume (q,), Å³."""
+    rows = _rows(molecule)
+    quads, volumes = [], []
+    for residue in range(len(molecule.residues) + 1):
+        for centre, neighbours, volume in CHIRALITY:
+            # the closing nucleotide lends its phosphorus only
+            if residue == len(molecule.residues) and centre != "P":
+                continue
+            quad = [rows.get((residue, centre))]
+            for name in neighbours:
+                owner = residue - 1 if (centre, name) == ("P", "O3'") else residue
+                quad.append(_named(molecule, rows, owner, name))
+            if None not in quad:
+                quads.append(quad)
+                volumes.append(volume)
+    return np.array(quads, dtype=np.int64), np.array(volumes)
+
+
+def planar_quads(molecule: LoopMolecule) -> Index:
+    """Quadruples (q, 4) that lie in a plane: trigonal atoms, and neighbours along aromatic bonds."""
+    from rdkit import Chem
+
+    mol = molecule.mol
+    quads = []
+    for atom in mol.GetAtoms():
+        around = [other.GetIdx() for other in atom.GetNeighbors()]
+        flat = atom.GetHybridization() == Chem.HybridizationType.SP2
+        if flat and len(around) == 3:
+            quads.append((atom.GetIdx(), *around))
+    for bond in mol.GetBonds():
+        if not bond.GetIsAromatic():
+            continue
+        a, b = bond.GetBeginAtom(), bond.GetEndAtom()
+        quads += [
+            (i.GetIdx(), a.GetIdx(), b.GetIdx(), j.GetIdx())
+            for i in a.GetNeighbors()
+            for j in b.GetNeighbors()
+            if i.GetIdx() != b.GetIdx() and j.GetIdx() not in (a.GetIdx(), i.GetIdx())
+        ]
+    return np.array(quads, dtype=np.int64).reshape(-1, 4)
+
+
+def separations(molecule: LoopMolecule) -> Array:
+    """Bonds between each two atoms (N, N)."""
+    from rdkit import Chem
+
+    return np.asarray(Chem.GetDistanceMatrix(molecule.mol))
+
+
+def nearest_A(polar: NDArray[np.bool_], other_polar: NDArray[np.bool_]) -> Array:
+    """Least distance (n, m) of unbonded atoms; both arguments tell nitrogen and oxygen."""
+    return np.where(polar[:, None] & other_polar[None], NEAREST_POLAR_A, NEAREST_A)
+
+
+def _rows(molecule: LoopMolecule) -> dict[tuple[int, str], int]:
+    return {
+        key: row for row, key in enumerate(zip(molecule.residue, molecule.names, strict=True))
+    }
+
+
+def _named(
+    molecule: LoopMolecule, rows: dict[tuple[int, str], int], residue: int, name: str
+) -> int | None:
+    if name == "base":
+        name = "N9" if molecule.residues[residue].letter in "AG" else "N1"
+    return rows.get((residue, name))
+
+
+def _angles(molecule: LoopMolecule) -> Iterator[tuple[int, int, int]]:
+    for atom in molecule.mol.GetAtoms():
+        around = [other.GetIdx() for other in atom.GetNeighbors()]
+        for place, i in enumerate(around):
+            for k in around[place + 1 :]:
+                yield i, atom.GetIdx(), k
+
+
+def _tabulated(molecule: LoopMolecule, *rows: int) -> float | None:
+    n = len(molecule.residues)
+    # the middle atom says which nucleotide it is; at the junctions the loop's own neighbour does
+    owner = molecule.residue[rows[1]]
+    residue: Residue = molecule.residues[min(max(owner, 0), n - 1)]
+    return ideal_value(residue.letter, residue.is_dna, *(molecule.names[row] for row in rows))
+
+
+class _Mmff:
+    """Equilibrium values of MMFF94, typed when the first one is asked for."""
+
+    def __init__(self, mol: Any) -> None:
+        self._mol = mol
+        self._typed: Any = None
+
+    def length(self, i: int, j: int) -> float:
+        found = self._properties().GetMMFFBondStretchParams(self._with_h, i, j)
+        return float(found[2]) if found else 1.5
+
+    def angle(self, i: int, j: int, k: int) -> float:
+        found = self._properties().GetMMFFAngleBendParams(self._with_h, i, j, k)
+        return float(found[2]) if found else 109.5
+
+    def _properties(self) -> Any:
+        from rdkit import Chem
+        from rdkit.Chem import rdForceFieldHelpers
+
+        if self._typed is None:
+            self._with_h = Chem.AddHs(self._mol)
+            self._typed = rdForceFieldHelpers.MMFFGetMoleculeProperties(self._with_h)
+        return self._typed

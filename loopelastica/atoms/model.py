@@ -1,0 +1,413 @@
+"""From a folded line to atoms: carry, turn, restore, check.
+
+    candidate → line with directors → Ω and χ → start → minimum → checks
+
+Everything is computed in the frame of the line's start, rounded there to 1e-6 Å, so that a rigid
+motion of the input moves the atoms by the same motion and by nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from loopelastica.atoms.carry import Line, own_phase
+from loopelastica.atoms.checks import Checks, check
+from loopelastica.atoms.chemistry import (
+    JUNCTION_3,
+    JUNCTION_5,
+    LoopMolecule,
+    Residue,
+    loop_molecule,
+)
+from loopelastica.atoms.fibre import fibre_nucleotide
+from loopelastica.atoms.geometry import (
+    BOND_SD_A,
+    NEAREST_1_4_A,
+    PLANAR_SD_A3,
+    VOLUME_SD_A3,
+    IdealGeometry,
+    chiral_quads,
+    ideal_geometry,
+    nearest_A,
+    outer_distances,
+    planar_quads,
+    separations,
+)
+from loopelastica.atoms.relax import Relaxed, Restraints, relax
+from loopelastica.atoms.turn import Stem, Turns, place, turned
+from loopelastica.errors import StructureError
+from loopelastica.folding import LoopFold
+from loopelastica.molecule.nucleotides import BACKBONE, RING, Structure, atom_positions
+from loopelastica.molecule.strands import ideal_strand, line_frame
+from loopelastica.rank import Candidate
+
+Array = NDArray[np.float64]
+
+LINE_SD_A: Final = 0.3
+"""How near the backbone centroids are held to the line."""
+TETHER_SD_A: Final = 3.0
+_NEIGHBOURHOOD_A: Final = 14.0
+_GRID_A: Final = 6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AtomModel:
+    """The atoms of one candidate.
+
+    Attributes
+    ----------
+    rank : int
+        The candidate's.
+    molecule : LoopMolecule
+    positions_A : (N, 3) array
+        In the coordinates of the file, rows of the molecule; stem rows as in the file.
+    turns : Turns
+        The combination of Ω and χ it started from.
+    alternatives : tuple of Turns
+        The others that were tried or kept, best first.
+    start_A : (N, 3) array
+        Positions before the minimization.
+    relaxed : Relaxed
+        Status, steps and cost; its positions are in the frame of the line's start.
+    checks : Checks
+    """
+
+    rank: int
+    molecule: LoopMolecule
+    positions_A: Array
+    turns: Turns
+    alternatives: tuple[Turns, ...]
+    start_A: Array
+    relaxed: Relaxed
+    checks: Checks
+
+
+def build_atoms(
+    structure: Structure,
+    fold: LoopFold,
+    *,
+    model: int = 0,
+    positions: Array | None = None,
+    contact: str | None = None,
+    tries: int = 3,
+    max_steps: int = 300,
+    max_seconds: float = 60.0,
+    max_candidates: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[AtomModel]:
+    """Atoms for each candidate of a folded loop.
+
+    Parameters
+    ----------
+    structure : Structure
+        What was folded.
+    fold : LoopFold
+        One of its loops.
+    positions : (n_atoms, 3) array, optional
+        Of all atoms, Å; default those of model 0 of the structure, from which `fold` is.
+    contact : {"sheared", "watson-crick"}, optional
+        Contact across the loop to be sought; see :func:`loopelastica.atoms.turn.turned`.
+    tries : int
+        Combinations of Ω and χ minimized per candidate; the best minimum is kept.
+    max_steps, max_seconds : int, float
+        Limits of each minimization; how it ended is in ``relaxed.status``.
+    max_candidates : int, optional
+        Only the first ones.
+    progress : callable, optional
+        Called with (done, total) after each candidate.
+
+    Raises
+    ------
+    StructureError
+        If the loop was not folded, a loop nucleotide has no known base, or an atom that a junction
+        needs is missing.
+    ValueError
+        If an option is out of range.
+    """
+    if tries < 1:
+        raise ValueError(f"`tries` is {tries}; at least one combination is minimized")
+    if fold.ends is None or not fold.candidates:
+        raise StructureError(fold.failure or "the loop was not folded; it gets no atoms")
+    if positions is None:
+        positions = structure.positions(model)
+    site = _site(structure, fold, np.asarray(positions, dtype=np.float64))
+    chosen = fold.candidates[:max_candidates]
+    models = []
+    for done, candidate in enumerate(chosen, start=1):
+        models.append(
+            _candidate(site, fold, candidate, contact, tries, max_steps, max_seconds)
+        )
+        if progress is not None:
+            progress(done, len(chosen))
+    return models
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Site:
+    """What all candidates of a loop share, in the frame of the line's start."""
+
+    molecule: LoopMolecule
+    geometry: IdealGeometry
+    fixed: dict[int, Array]  # rows of the molecule that belong to the stem
+    file_rows: dict[int, Array]  # the same in the file's coordinates
+    around: Array  # heavy atoms near the loop that are no part of the molecule
+    around_polar: NDArray[np.bool_]
+    stem: Stem
+    origin: Array
+    frame: Array
+
+
+def loop_residues(structure: Structure, fold: LoopFold) -> list[Residue]:
+    """The nucleotides to be built.
+
+    Raises
+    ------
+    StructureError
+        If one has no known base.
+    """
+    table = structure.nucleotides
+    residues = []
+    for row in fold.hairpin.loop:
+        letter = str(table.letter[row])
+        if letter not in "ACGUT":
+            raise StructureError(
+                f"{table.label(int(row))}: its base is unknown; the loop gets no atoms"
+            )
+        residues.append(Residue(letter, bool(table.is_dna[row]), str(table.resname[row])))
+    return residues
+
+
+def _site(structure: Structure, fold: LoopFold, positions: Array) -> _Site:
+    assert fold.ends is not None
+    table, hairpin = structure.nucleotides, fold.hairpin
+    molecule = loop_molecule(loop_residues(structure, fold))
+    origin, frame = np.asarray(fold.ends.start_origin_A), np.asarray(fold.ends.start_frame)
+    n = len(hairpin.loop)
+    in_file: dict[int, Array] = {}
+    used: list[int] = []
+    for residue, row, names in (
+        (-1, int(hairpin.stem_5[0]), JUNCTION_5),
+        (n, int(hairpin.stem_3[0]), JUNCTION_3),
+    ):
+        for name in names:
+            atom = int(table.columns([name])[row, 0])
+            if atom < 0 or not np.isfinite(positions[atom]).all():
+                raise StructureError(
+                    f"{table.label(row)}: no {name} atom; the loop cannot be joined to the stem"
+                    " and gets no atoms"
+                )
+            used.append(atom)
+            in_file[molecule.index(residue, name)] = positions[atom]
+    local = np.round((positions - origin) @ frame, _GRID_A)
+    fixed = {row: np.round((at - origin) @ frame, _GRID_A) for row, at in in_file.items()}
+    around, polar = _around(structure, fold, local, used)
+    rings = atom_positions(table, local, RING)[[hairpin.stem_5[0], hairpin.stem_3[0]]]
+    stem = Stem(
+        around,
+        rings[np.isfinite(rings).all(axis=(1, 2))],
+        fixed[molecule.index(-1, "O3'")],
+        fixed[molecule.index(n, "P")],
+    )
+    return _Site(
+        molecule, ideal_geometry(molecule), fixed, in_file, around, polar, stem, origin, frame
+    )
+
+
+def _around(
+    structure: Structure, fold: LoopFold, local: Array, used: list[int]
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Heavy atoms near any candidate, the loop's own and the junctions' left out."""
+    from scipy.spatial import cKDTree
+
+    elements = _elements(structure)
+    loop = structure.nucleotides.atom_index[fold.hairpin.loop, :]
+    residues = np.unique(structure.universe.atoms.resindices[loop[loop >= 0]])
+    outside = ~np.isin(structure.universe.atoms.resindices, residues)
+    outside &= (elements != "H") & (elements != "D") & np.isfinite(local).all(axis=1)
+    outside[used] = False
+    points = np.concatenate(
+        [c.length_A * c.rod.centerline(4 * len(fold.hairpin.loop)) for c in fold.candidates]
+    )
+    rows = np.flatnonzero(outside)
+    near = cKDTree(points).query(local[rows], distance_upper_bound=_NEIGHBOURHOOD_A)[0]
+    rows = rows[np.isfinite(near)]
+    return local[rows], np.isin(elements[rows], ["N", "O"])
+
+
+def _elements(structure: Structure) -> NDArray[np.str_]:
+    """Element of every atom, from its name (the file may have none)."""
+    names = np.asarray(structure.universe.atoms.names, dtype=object).astype(str)
+    return np.array([name.strip().lstrip("0123456789")[:1].upper() for name in names])
+
+
+def _candidate(
+    site: _Site,
+    fold: LoopFold,
+    candidate: Candidate,
+    contact: str | None,
+    tries: int,
+    max_steps: int,
+    max_seconds: float,
+) -> AtomModel:
+    assert fold.ends is not None
+    residues = site.molecule.residues
+    n = len(residues)
+    line = Line.between(
+        candidate.rod, fold.ends, ideal_strand(fold.hairpin.is_dna), candidate.length_A, n
+    )
+    combinations = turned(
+        [r.letter for r in residues],
+        [r.is_dna for r in residues],
+        line,
+        site.stem,
+        contact=contact,
+        keep=max(tries, 3),
+    )
+    best: tuple[tuple[bool, float], Turns, Array, Relaxed, Checks] | None = None
+    for turns in combinations[:tries]:
+        start = _start(site, line, turns)
+        relaxed = _minimum(site, line, start, max_steps, max_seconds)
+        checks = check(site.molecule, site.geometry, relaxed.positions_A, site.around,
+                       line.at(np.arange(1, n + 1))[0], start)  # fmt: skip
+        # chemistry first, then how much strain is left against what stacking has gained
+        order = (not checks.sound, 0.1 * sum(relaxed.cost.values()) + turns.score)
+        if best is None or order < best[0]:
+            best = order, turns, start, relaxed, checks
+    assert best is not None
+    _, turns, start, relaxed, checks = best
+    out = relaxed.positions_A @ site.frame.T + site.origin
+    for row, at in site.file_rows.items():
+        out[row] = at
+    return AtomModel(
+        candidate.rank,
+        site.molecule,
+        out,
+        turns,
+        tuple(t for t in combinations if t is not turns),
+        start @ site.frame.T + site.origin,
+        relaxed,
+        checks,
+    )
+
+
+def _start(site: _Site, line: Line, turns: Turns) -> Array:
+    """Positions (N, 3) on the line, Ω and χ as in `turns`."""
+    molecule = site.molecule
+    n = len(molecule.residues)
+    at: dict[tuple[int, str], Array] = {}
+    for k, residue in enumerate(molecule.residues):
+        omega, chi = turns.omega_deg[k], turns.chi_offset_deg[k]
+        nucleoside = place(residue.letter, residue.is_dna, line, k + 1, omega, chi)
+        at |= {(k, name): position for name, position in nucleoside.items()}
+        # a phosphate lies between two nucleotides and turns half with each
+        before = turns.omega_deg[k - 1] if k else 0.0
+        half = before + 0.5 * ((omega - before + 180.0) % 360.0 - 180.0)
+        at |= {(k, name): p for name, p in _phosphate(residue, line, k + 1, half).items()}
+    positions = np.zeros((len(molecule.names), 3))
+    for row, key in enumerate(zip(molecule.residue, molecule.names, strict=True)):
+        if row in site.fixed:
+            positions[row] = site.fixed[row]
+        elif key in at:
+            positions[row] = at[key]
+    _methyls(molecule, positions, at)
+    return np.round(positions, _GRID_A)
+
+
+def _phosphate(residue: Residue, line: Line, k: int, omega: float) -> dict[str, Array]:
+    """P, OP1 and OP2, each on the line's normal plane at its own phase."""
+    strand = ideal_strand(residue.is_dna)
+    fibre = fibre_nucleotide(residue.letter, residue.is_dna)
+    turn = np.deg2rad(omega)
+    out = {}
+    for name in ("P", "OP1", "OP2"):
+        phase, (x, y) = own_phase(strand, fibre[name])
+        point, frame = line.at([k + phase])
+        c, s = np.cos(turn), np.sin(turn)
+        out[name] = point[0] + frame[0][:, 0] * (c * x - s * y) + frame[0][:, 1] * (s * x + c * y)
+    return out
+
+
+def _methyls(
+    molecule: LoopMolecule, positions: Array, known: dict[tuple[int, str], Array]
+) -> None:
+    """Put atoms that no fibre has (methyl groups) opposite to the other bonds of their carrier."""
+    for row, key in enumerate(zip(molecule.residue, molecule.names, strict=True)):
+        if not 0 <= key[0] < len(molecule.residues) or key in known:
+            continue
+        (carrier,) = (a.GetIdx() for a in molecule.mol.GetAtomWithIdx(row).GetNeighbors())
+        others = [
+            a.GetIdx()
+            for a in molecule.mol.GetAtomWithIdx(carrier).GetNeighbors()
+            if a.GetIdx() < row
+        ]
+        away = positions[carrier] - positions[others].mean(axis=0)
+        positions[row] = positions[carrier] + 1.5 * away / np.linalg.norm(away)
+
+
+def _minimum(
+    site: _Site, line: Line, start: Array, max_steps: int, max_seconds: float
+) -> Relaxed:
+    """The minimum next to `start`; moving atoms first, as the minimizer wants them."""
+    molecule, geometry = site.molecule, site.geometry
+    n = len(molecule.residues)
+    moving = molecule.loop_atoms
+    order = np.array(moving + sorted(site.fixed))
+    new = np.empty(len(order), dtype=np.int64)
+    new[order] = np.arange(len(order))
+    bonds = geometry.bonds
+    pairs, outer, outer_sd = outer_distances(geometry)
+    chiral, volume = chiral_quads(molecule)
+    planar = planar_quads(molecule)
+    near, near_A = _near(site, order, len(moving))
+    groups = np.array(
+        [[new[molecule.index(k, name)] for name in BACKBONE] for k in range(n)]
+    )
+    centers = line.at(np.arange(1, n + 1))[0]
+    restraints = Restraints(
+        n_moving=len(moving),
+        pairs=new[np.concatenate([bonds, pairs])],
+        length_A=np.concatenate([geometry.length_A, outer]),
+        length_sd=np.concatenate([np.full(len(bonds), BOND_SD_A), outer_sd]),
+        quads=new[np.concatenate([chiral, planar])],
+        volume=np.concatenate([volume, np.zeros(len(planar))]),
+        volume_sd=np.concatenate(
+            [np.full(len(chiral), VOLUME_SD_A3), np.full(len(planar), PLANAR_SD_A3)]
+        ),
+        groups=groups,
+        center_A=centers,
+        center_sd=LINE_SD_A,
+        tether_A=start[moving],
+        tether_sd=TETHER_SD_A,
+        near=near,
+        near_A=near_A,
+    )
+    whole = np.concatenate([start[order], site.around])
+    relaxed = relax(restraints, whole, max_steps=max_steps, max_seconds=max_seconds)
+    positions = np.empty((len(order), 3))
+    positions[order] = relaxed.positions_A[: len(order)]
+    return Relaxed(positions, relaxed.status, relaxed.steps, relaxed.cost)
+
+
+def _near(
+    site: _Site, order: NDArray[np.int64], n_moving: int
+) -> tuple[NDArray[np.int64], Array]:
+    """Pairs of atoms that may not overlap, with their least distances."""
+    molecule = site.molecule
+    apart = separations(molecule)[np.ix_(order, order)]
+    polar = np.array([molecule.mol.GetAtomWithIdx(int(row)).GetSymbol() in "NO" for row in order])
+    least = nearest_A(polar, polar)
+    least = np.where(apart == 3, np.minimum(least, NEAREST_1_4_A), least)
+    inside = np.argwhere(np.triu(apart > 2, k=1))
+    inside = inside[inside[:, 0] < n_moving]
+    # the neighbours of the junctions in the stem are nearer by nature than anything else
+    outside = nearest_A(polar[:n_moving], site.around_polar)
+    i, j = np.indices(outside.shape)
+    return (
+        np.concatenate([inside, np.column_stack([i.ravel(), len(order) + j.ravel()])]),
+        np.concatenate([least[inside[:, 0], inside[:, 1]], outside.ravel()]),
+    )
