@@ -127,10 +127,7 @@ def check(
         for row, length in zip(chain, lengths, strict=True)
     }
     rows = {key: i for i, key in enumerate(zip(molecule.residue, molecule.names, strict=True))}
-    puckers = [
-        pseudorotation(*(positions[rows[k, a]] for a in ("C1'", "C2'", "C3'", "C4'", "O4'")))
-        for k in range(n)
-    ]
+    sugars = puckers(molecule, positions)
     chi = [
         torsion_deg(*(positions[rows[k, a]] for a in _chi(molecule.residues[k].letter)))
         for k in range(n)
@@ -150,9 +147,9 @@ def check(
         junction_3_A=float(by_owner[n]),
         chain_worst_A=float(np.abs(bond[chain]).max()),
         wrong_chirality=_wrong_hands(molecule, positions),
-        pucker_deg=tuple(round(phase, 2) for phase, _ in puckers),
-        pucker_amplitude_deg=tuple(round(amplitude, 2) for _, amplitude in puckers),
-        pucker=tuple(pucker_name(phase) for phase, _ in puckers),
+        pucker_deg=tuple(round(phase, 2) for phase, _ in sugars),
+        pucker_amplitude_deg=tuple(round(amplitude, 2) for _, amplitude in sugars),
+        pucker=tuple(pucker_name(phase) for phase, _ in sugars),
         chi_deg=tuple(round(value, 2) for value in chi),
         chi=tuple("syn" if abs(value) < 90.0 else "anti" for value in chi),
         closest_A=closest,
@@ -187,6 +184,15 @@ def torsion_deg(a: Array, b: Array, c: Array, d: Array) -> float:
     u, v = a - b, d - c
     u, v = u - axis * (u @ axis), v - axis * (v @ axis)
     return math.degrees(math.atan2(float(np.cross(u, v) @ axis), float(u @ v)))
+
+
+def puckers(molecule: LoopMolecule, positions: Array) -> list[tuple[float, float]]:
+    """Phase and amplitude of each sugar of the loop; see :func:`pseudorotation`."""
+    ring = ("C1'", "C2'", "C3'", "C4'", "O4'")
+    return [
+        pseudorotation(*(positions[molecule.index(k, name)] for name in ring))
+        for k in range(len(molecule.residues))
+    ]
 
 
 def pseudorotation(c1: Array, c2: Array, c3: Array, c4: Array, o4: Array) -> tuple[float, float]:

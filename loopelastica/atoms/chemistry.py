@@ -27,6 +27,8 @@ METHYLATED: Final[dict[str, tuple[tuple[str, str], ...]]] = {
 }
 """Common modified nucleotides that are a parent with methyl groups; names of the wwPDB."""
 
+_LONG_NAMES: Final = {"ADE": "A", "CYT": "C", "GUA": "G", "URA": "U", "THY": "T"}
+
 JUNCTION_5: Final = ("C3'", "O3'")
 JUNCTION_3: Final = ("P", "OP1", "OP2", "O5'", "C5'")
 
@@ -43,6 +45,13 @@ class Residue:
     def methyls(self) -> tuple[tuple[str, str], ...]:
         """Methyl groups on the parent: (name, carrier)."""
         return METHYLATED.get(self.resname, ())
+
+    @property
+    def renamed(self) -> bool:
+        """Whether the structure calls it something that is not built: its name must change."""
+        # A, DA, rA, RA5, DA3, ADE: dictionaries and force fields
+        short = self.resname.upper().rstrip("35N").removeprefix("D").removeprefix("R")
+        return not self.methyls and _LONG_NAMES.get(self.resname.upper(), short) != self.letter
 
     @property
     def standard(self) -> str:

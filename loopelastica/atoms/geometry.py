@@ -31,6 +31,12 @@ CHIRALITY: Final = (
     ("P", ("O3'", "OP1", "OP2"), 2.45),
 )
 
+_RING: Final = ("C1'", "C2'", "C3'", "C4'", "O4'")
+_AMPLITUDE_DEG: Final = 38.0
+PUCKERS_DEG: Final = (18.0, 162.0)
+"""C3'-endo and C2'-endo, the two puckers that sugars have."""
+PUCKER_SD_A3: Final = 0.3
+
 NEAREST_A: Final = 3.1
 NEAREST_POLAR_A: Final = 2.7
 NEAREST_1_4_A: Final = 2.5
@@ -91,14 +97,14 @@ def outer_distances(geometry: IdealGeometry) -> tuple[Index, Array, Array]:
 
 
 def chiral_quads(molecule: LoopMolecule) -> tuple[Index, Array]:
-    """Centre and three neighbours (q, 4) and their signed volume (q,), Å³."""
+    """Centre and three neighbours (q, 4) and their signed volume (q,), Å³.
+
+    The phosphorus of the 3' closing nucleotide is not among them: its oxygens are the stem's.
+    """
     rows = _rows(molecule)
     quads, volumes = [], []
-    for residue in range(len(molecule.residues) + 1):
+    for residue in range(len(molecule.residues)):
         for centre, neighbours, volume in CHIRALITY:
-            # the closing nucleotide lends its phosphorus only
-            if residue == len(molecule.residues) and centre != "P":
-                continue
             quad = [rows.get((residue, centre))]
             for name in neighbours:
                 owner = residue - 1 if (centre, name) == ("P", "O3'") else residue
@@ -131,6 +137,36 @@ def planar_quads(molecule: LoopMolecule) -> Index:
             if i.GetIdx() != b.GetIdx() and j.GetIdx() not in (a.GetIdx(), i.GetIdx())
         ]
     return np.array(quads, dtype=np.int64).reshape(-1, 4)
+
+
+def ring_quads(
+    molecule: LoopMolecule, geometry: IdealGeometry, phases_deg: Array
+) -> tuple[Index, Array]:
+    """Four neighbours along each sugar ring (5 n, 4) and their volume (5 n,) at a pucker, Å³.
+
+    Torsions of the ring are 38° cos(P + 144° j), 38° being the amplitude that is usual in
+    nucleotides: Altona & Sundaralingam, J. Am. Chem. Soc. 94 (1972) 8205, doi:10.1021/ja00778a043.
+    """
+    rows = _rows(molecule)
+    length = {
+        frozenset(b): v for b, v in zip(geometry.bonds.tolist(), geometry.length_A, strict=True)
+    }
+    angle = {
+        (frozenset((i, k)), j): v
+        for (i, j, k), v in zip(geometry.angles.tolist(), geometry.angle_deg, strict=True)
+    }
+    quads, volumes = [], []
+    for residue, phase in enumerate(phases_deg):
+        ring = [rows[residue, name] for name in _RING]
+        for j in range(5):
+            a, b, c, d = (ring[(j + step) % 5] for step in range(4))
+            torsion = np.deg2rad(_AMPLITUDE_DEG * np.cos(np.deg2rad(phase + 144.0 * j)))
+            size = length[frozenset((a, b))] * length[frozenset((b, c))] * length[frozenset((c, d))]
+            size *= np.sin(np.deg2rad(angle[frozenset((a, c)), b]))
+            size *= np.sin(np.deg2rad(angle[frozenset((b, d)), c]))
+            quads.append((a, b, c, d))
+            volumes.append(size * np.sin(torsion))
+    return np.array(quads, dtype=np.int64), np.array(volumes)
 
 
 def separations(molecule: LoopMolecule) -> Array:

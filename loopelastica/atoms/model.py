@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica.atoms.carry import Line, own_phase
-from loopelastica.atoms.checks import Checks, check
+from loopelastica.atoms.checks import Checks, check, puckers
 from loopelastica.atoms.chemistry import (
     JUNCTION_3,
     JUNCTION_5,
@@ -29,6 +29,8 @@ from loopelastica.atoms.geometry import (
     BOND_SD_A,
     NEAREST_1_4_A,
     PLANAR_SD_A3,
+    PUCKER_SD_A3,
+    PUCKERS_DEG,
     VOLUME_SD_A3,
     IdealGeometry,
     chiral_quads,
@@ -36,6 +38,7 @@ from loopelastica.atoms.geometry import (
     nearest_A,
     outer_distances,
     planar_quads,
+    ring_quads,
     separations,
 )
 from loopelastica.atoms.relax import Relaxed, Restraints, relax
@@ -43,13 +46,14 @@ from loopelastica.atoms.turn import Stem, Turns, place, turned
 from loopelastica.errors import StructureError
 from loopelastica.folding import LoopFold
 from loopelastica.molecule.nucleotides import BACKBONE, RING, Structure, atom_positions
-from loopelastica.molecule.strands import ideal_strand, line_frame
+from loopelastica.molecule.strands import ideal_strand
 from loopelastica.rank import Candidate
 
 Array = NDArray[np.float64]
 
-LINE_SD_A: Final = 0.3
-"""How near the backbone centroids are held to the line."""
+LINE_SD_A: Final = (0.3, 1.0, 3.0)
+"""How near the backbone centroids are held to the line; the next one where no sound model, one with
+right hands, a whole chain and no clash, comes of the one before."""
 TETHER_SD_A: Final = 3.0
 _NEIGHBOURHOOD_A: Final = 14.0
 _GRID_A: Final = 6
@@ -75,6 +79,9 @@ class AtomModel:
     relaxed : Relaxed
         Status, steps and cost; its positions are in the frame of the line's start.
     checks : Checks
+    rmsd_A : float or None
+        The six backbone atoms of the loop against the file's own loop, without superposition; None
+        where the file has none.
     """
 
     rank: int
@@ -85,6 +92,7 @@ class AtomModel:
     start_A: Array
     relaxed: Relaxed
     checks: Checks
+    rmsd_A: float | None
 
 
 def build_atoms(
@@ -160,6 +168,7 @@ class _Site:
     stem: Stem
     origin: Array
     frame: Array
+    native: Array  # six backbone atoms of the file's own loop, its coordinates; NaN where missing
 
 
 def loop_residues(structure: Structure, fold: LoopFold) -> list[Residue]:
@@ -214,7 +223,8 @@ def _site(structure: Structure, fold: LoopFold, positions: Array) -> _Site:
         fixed[molecule.index(n, "P")],
     )
     return _Site(
-        molecule, ideal_geometry(molecule), fixed, in_file, around, polar, stem, origin, frame
+        molecule, ideal_geometry(molecule), fixed, in_file, around, polar, stem, origin, frame,
+        atom_positions(table, positions, BACKBONE)[hairpin.loop],
     )
 
 
@@ -224,11 +234,12 @@ def _around(
     """Heavy atoms near any candidate, the loop's own and the junctions' left out."""
     from scipy.spatial import cKDTree
 
-    elements = _elements(structure)
+    element = elements(structure)
     loop = structure.nucleotides.atom_index[fold.hairpin.loop, :]
     residues = np.unique(structure.universe.atoms.resindices[loop[loop >= 0]])
     outside = ~np.isin(structure.universe.atoms.resindices, residues)
-    outside &= (elements != "H") & (elements != "D") & np.isfinite(local).all(axis=1)
+    outside &= (element != "H") & (element != "D") & np.isfinite(local).all(axis=1)
+    outside &= ~waters(structure) & _one_altloc(structure)
     outside[used] = False
     points = np.concatenate(
         [c.length_A * c.rod.centerline(4 * len(fold.hairpin.loop)) for c in fold.candidates]
@@ -236,10 +247,32 @@ def _around(
     rows = np.flatnonzero(outside)
     near = cKDTree(points).query(local[rows], distance_upper_bound=_NEIGHBOURHOOD_A)[0]
     rows = rows[np.isfinite(near)]
-    return local[rows], np.isin(elements[rows], ["N", "O"])
+    return local[rows], np.isin(element[rows], ["N", "O"])
 
 
-def _elements(structure: Structure) -> NDArray[np.str_]:
+WATER: Final = ("HOH", "DOD", "WAT", "SOL", "H2O", "TIP", "TIP3", "TIP4")
+
+
+def waters(structure: Structure) -> NDArray[np.bool_]:
+    """Which atoms are water: it gives way to the loop, and was placed with the file's own one."""
+    names = np.asarray(structure.universe.atoms.resnames, dtype=object).astype(str)
+    return np.isin(np.char.strip(names), WATER)
+
+
+def _one_altloc(structure: Structure) -> NDArray[np.bool_]:
+    """Leave one of the alternative locations: the one the nucleotides were read from, else A."""
+    atoms = structure.universe.atoms
+    altloc = np.asarray(getattr(atoms, "altLocs", np.zeros(len(atoms), "U1")), dtype=object)
+    altloc = np.char.strip(altloc.astype(str))
+    chosen = np.full(len(structure.universe.residues), "A", dtype=altloc.dtype)
+    table = structure.nucleotides.atom_index
+    read = table[table >= 0]
+    read = read[altloc[read] != ""]
+    chosen[atoms.resindices[read]] = altloc[read]
+    return np.asarray((altloc == "") | (altloc == chosen[atoms.resindices]))
+
+
+def elements(structure: Structure) -> NDArray[np.str_]:
     """Element of every atom, from its name (the file may have none)."""
     names = np.asarray(structure.universe.atoms.names, dtype=object).astype(str)
     return np.array([name.strip().lstrip("0123456789")[:1].upper() for name in names])
@@ -268,16 +301,20 @@ def _candidate(
         contact=contact,
         keep=max(tries, 3),
     )
+    centers = line.at(np.arange(1, n + 1))[0]
     best: tuple[tuple[bool, float], Turns, Array, Relaxed, Checks] | None = None
-    for turns in combinations[:tries]:
-        start = _start(site, line, turns)
-        relaxed = _minimum(site, line, start, max_steps, max_seconds)
-        checks = check(site.molecule, site.geometry, relaxed.positions_A, site.around,
-                       line.at(np.arange(1, n + 1))[0], start)  # fmt: skip
-        # chemistry first, then how much strain is left against what stacking has gained
-        order = (not checks.sound, 0.1 * sum(relaxed.cost.values()) + turns.score)
-        if best is None or order < best[0]:
-            best = order, turns, start, relaxed, checks
+    for line_sd in LINE_SD_A:
+        for turns in combinations[:tries]:
+            start = _start(site, line, turns)
+            relaxed = _minimum(site, centers, line_sd, start, max_steps, max_seconds)
+            checks = check(site.molecule, site.geometry, relaxed.positions_A, site.around,
+                           centers, start)  # fmt: skip
+            # chemistry first, then the strain that is left against what stacking has gained
+            order = (not checks.sound, 0.1 * sum(relaxed.cost.values()) + turns.score)
+            if best is None or order < best[0]:
+                best = order, turns, start, relaxed, checks
+        if best is not None and best[-1].sound:
+            break
     assert best is not None
     _, turns, start, relaxed, checks = best
     out = relaxed.positions_A @ site.frame.T + site.origin
@@ -292,7 +329,20 @@ def _candidate(
         start @ site.frame.T + site.origin,
         relaxed,
         checks,
+        _rmsd_A(site, out),
     )
+
+
+def _rmsd_A(site: _Site, positions: Array) -> float | None:
+    molecule = site.molecule
+    own = np.array(
+        [
+            [positions[molecule.index(k, name)] for name in BACKBONE]
+            for k in range(len(molecule.residues))
+        ]
+    )
+    away = ((own - site.native) ** 2).sum(axis=-1)
+    return float(np.sqrt(away.mean())) if np.isfinite(away).all() else None
 
 
 def _start(site: _Site, line: Line, turns: Turns) -> Array:
@@ -301,7 +351,7 @@ def _start(site: _Site, line: Line, turns: Turns) -> Array:
     n = len(molecule.residues)
     at: dict[tuple[int, str], Array] = {}
     for k, residue in enumerate(molecule.residues):
-        omega, chi = turns.omega_deg[k], turns.chi_offset_deg[k]
+        omega, chi = turns.omega_deg[k], turns.chi_change_deg[k]
         nucleoside = place(residue.letter, residue.is_dna, line, k + 1, omega, chi)
         at |= {(k, name): position for name, position in nucleoside.items()}
         # a phosphate lies between two nucleotides and turns half with each
@@ -350,47 +400,69 @@ def _methyls(
 
 
 def _minimum(
-    site: _Site, line: Line, start: Array, max_steps: int, max_seconds: float
+    site: _Site, centers: Array, line_sd: float, start: Array, max_steps: int, max_seconds: float
 ) -> Relaxed:
-    """The minimum next to `start`; moving atoms first, as the minimizer wants them."""
+    """The minimum next to `start`, its sugars in one of the two usual puckers.
+
+    A first minimization, free of any pucker, tells which of the two is nearer for each sugar.
+    """
+    order = np.array(site.molecule.loop_atoms + sorted(site.fixed))
+    whole = np.concatenate([start[order], site.around])
+    restraints = _restraints(site, order, centers, line_sd, start)
+    relaxed = relax(restraints, whole, max_steps=max_steps, max_seconds=max_seconds)
+    place = np.empty((len(order), 3))
+    place[order] = relaxed.positions_A[: len(order)]
+    phases = np.array([phase for phase, _ in puckers(site.molecule, place)])
+    away = np.abs((phases[:, None] - np.array(PUCKERS_DEG) + 180.0) % 360.0 - 180.0)
+    wanted = np.array(PUCKERS_DEG)[away.argmin(axis=1)]
+    restraints = _restraints(site, order, centers, line_sd, start, wanted)
+    relaxed = relax(
+        restraints, relaxed.positions_A, max_steps=max_steps, max_seconds=max_seconds
+    )
+    place[order] = relaxed.positions_A[: len(order)]
+    return Relaxed(place, relaxed.status, relaxed.steps, relaxed.cost)
+
+
+def _restraints(
+    site: _Site,
+    order: NDArray[np.int64],
+    centers: Array,
+    line_sd: float,
+    start: Array,
+    phases_deg: Array | None = None,
+) -> Restraints:
+    """Everything that is asked of the atoms; `order` puts those that move first."""
     molecule, geometry = site.molecule, site.geometry
-    n = len(molecule.residues)
-    moving = molecule.loop_atoms
-    order = np.array(moving + sorted(site.fixed))
+    n, moving = len(molecule.residues), molecule.loop_atoms
     new = np.empty(len(order), dtype=np.int64)
     new[order] = np.arange(len(order))
-    bonds = geometry.bonds
     pairs, outer, outer_sd = outer_distances(geometry)
     chiral, volume = chiral_quads(molecule)
     planar = planar_quads(molecule)
+    quads = [
+        (chiral, volume, VOLUME_SD_A3),
+        (planar, np.zeros(len(planar)), PLANAR_SD_A3),
+    ]
+    if phases_deg is not None:
+        quads.append((*ring_quads(molecule, geometry, phases_deg), PUCKER_SD_A3))
     near, near_A = _near(site, order, len(moving))
-    groups = np.array(
-        [[new[molecule.index(k, name)] for name in BACKBONE] for k in range(n)]
-    )
-    centers = line.at(np.arange(1, n + 1))[0]
-    restraints = Restraints(
+    groups = [[new[molecule.index(k, name)] for name in BACKBONE] for k in range(n)]
+    return Restraints(
         n_moving=len(moving),
-        pairs=new[np.concatenate([bonds, pairs])],
+        pairs=new[np.concatenate([geometry.bonds, pairs])],
         length_A=np.concatenate([geometry.length_A, outer]),
-        length_sd=np.concatenate([np.full(len(bonds), BOND_SD_A), outer_sd]),
-        quads=new[np.concatenate([chiral, planar])],
-        volume=np.concatenate([volume, np.zeros(len(planar))]),
-        volume_sd=np.concatenate(
-            [np.full(len(chiral), VOLUME_SD_A3), np.full(len(planar), PLANAR_SD_A3)]
-        ),
-        groups=groups,
+        length_sd=np.concatenate([np.full(len(geometry.bonds), BOND_SD_A), outer_sd]),
+        quads=new[np.concatenate([q for q, _, _ in quads])],
+        volume=np.concatenate([v for _, v, _ in quads]),
+        volume_sd=np.concatenate([np.full(len(q), sd) for q, _, sd in quads]),
+        groups=np.array(groups),
         center_A=centers,
-        center_sd=LINE_SD_A,
+        center_sd=line_sd,
         tether_A=start[moving],
         tether_sd=TETHER_SD_A,
         near=near,
         near_A=near_A,
     )
-    whole = np.concatenate([start[order], site.around])
-    relaxed = relax(restraints, whole, max_steps=max_steps, max_seconds=max_seconds)
-    positions = np.empty((len(order), 3))
-    positions[order] = relaxed.positions_A[: len(order)]
-    return Relaxed(positions, relaxed.status, relaxed.steps, relaxed.cost)
 
 
 def _near(

@@ -32,7 +32,7 @@ from loopelastica.molecule.nucleotides import RING
 Array = NDArray[np.float64]
 
 OMEGA_STEPS: Final = 24
-CHI_OFFSETS_DEG: Final = (0.0, -30.0, 30.0)
+CHI_CHANGES_DEG: Final = (0.0, -30.0, 30.0)
 SYN_CHI_DEG: Final = 60.0
 CONTACTS: Final = {
     # donor–acceptor pairs of a sheared G·A and of Watson–Crick and wobble pairs
@@ -78,7 +78,7 @@ class Turns:
     """One combination: Ω (°) and change of χ (°) of each nucleotide, and its score."""
 
     omega_deg: tuple[float, ...]
-    chi_offset_deg: tuple[float, ...]
+    chi_change_deg: tuple[float, ...]
     score: float
 
 
@@ -139,7 +139,8 @@ def turned(
         parent, state = np.unravel_index(order, grown.shape)
         score = grown[parent, state]
         beam = np.column_stack([beam[parent], state])
-    return _distinct(beam, score, keep)
+    changes = [_chi_changes(*own) for own in zip(letters, is_dna, strict=True)]
+    return _distinct(beam, score, changes, keep)
 
 
 def place(letter: str, is_dna: bool, line: Line, k: int, omega: float, chi: float) -> dict[str, Array]:
@@ -167,21 +168,21 @@ class _State:
 def _all_turns() -> tuple[Array, Array]:
     """Ω and χ class of each state: χ varies fastest."""
     omega = np.arange(OMEGA_STEPS) * (360.0 / OMEGA_STEPS)
-    n_chi = len(CHI_OFFSETS_DEG) + 1
+    n_chi = len(CHI_CHANGES_DEG) + 1
     return np.repeat(omega, n_chi), np.tile(np.arange(n_chi), OMEGA_STEPS)
 
 
-def _chi_offsets(letter: str, is_dna: bool) -> Array:
+def _chi_changes(letter: str, is_dna: bool) -> Array:
     from loopelastica.atoms.checks import torsion_deg
 
     atoms = fibre_nucleotide(letter, is_dna)
     fibre = torsion_deg(*(atoms[name] for name in chi_torsion(letter)))
-    return np.array([*CHI_OFFSETS_DEG, SYN_CHI_DEG - fibre])
+    return np.array([*CHI_CHANGES_DEG, SYN_CHI_DEG - fibre])
 
 
 def _states(letter: str, is_dna: bool, line: Line, k: int) -> _State:
     omega, chi = _all_turns()
-    names, local = _local(letter, is_dna, _chi_offsets(letter, is_dna))
+    names, local = _local(letter, is_dna, _chi_changes(letter, is_dna))
     point, frame = line.at([float(k)])
     return _State(names, _about_line(local[chi], omega) @ frame[0].T + point[0])
 
@@ -249,7 +250,7 @@ def _junction(distance: Array, ideal: float) -> Array:
 
 def _unary(state: _State, letter: str, stem: Stem, k: int, n: int) -> Array:
     _, chi = _all_turns()
-    score = np.where(chi == len(CHI_OFFSETS_DEG), 1.0 if letter in "AG" else 2.0, 0.0)
+    score = np.where(chi == len(CHI_CHANGES_DEG), 1.0 if letter in "AG" else 2.0, 0.0)
     score = score + _clash(state.atoms, stem.atoms_A[None])[:, 0]
     score = score + _stacking(state.ring, _plane(stem.rings_A)).sum(axis=1)
     if k == 0:
@@ -295,18 +296,18 @@ def _contact(a: _State, b: _State, bonds: Sequence[tuple[str, str]]) -> Array:
     return reward
 
 
-def _distinct(beam: NDArray[np.int64], score: Array, keep: int) -> list[Turns]:
+def _distinct(
+    beam: NDArray[np.int64], score: Array, changes: Sequence[Array], keep: int
+) -> list[Turns]:
     omega, chi = _all_turns()
     chosen: list[NDArray[np.int64]] = []
     out = []
-    offsets = np.array([*CHI_OFFSETS_DEG, np.nan])
     for states, value in zip(beam, score, strict=True):
         if any(_alike(states, other) for other in chosen):
             continue
         chosen.append(states)
-        out.append(
-            Turns(tuple(omega[states].tolist()), tuple(offsets[chi[states]].tolist()), float(value))
-        )
+        change = [float(own[chi[s]]) for own, s in zip(changes, states, strict=True)]
+        out.append(Turns(tuple(omega[states].tolist()), tuple(change), float(value)))
         if len(out) == keep:
             break
     return out
@@ -315,5 +316,5 @@ def _distinct(beam: NDArray[np.int64], score: Array, keep: int) -> list[Turns]:
 def _alike(a: NDArray[np.int64], b: NDArray[np.int64]) -> bool:
     omega, chi = _all_turns()
     apart = np.abs((omega[a] - omega[b] + 180.0) % 360.0 - 180.0)
-    syn = len(CHI_OFFSETS_DEG)
+    syn = len(CHI_CHANGES_DEG)
     return bool((apart < 45.0).all() and ((chi[a] == syn) == (chi[b] == syn)).all())
