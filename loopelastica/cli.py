@@ -9,7 +9,10 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+    from loopelastica.atoms.write import LoopAtoms
     from loopelastica.folding import LoopFold
+    from loopelastica.molecule.nucleotides import Structure
+    from loopelastica.rod.clamping import Array
 
 app = typer.Typer(
     help="Folds nucleic-acid hairpin loops as elastic rods clamped to their stems.",
@@ -23,6 +26,12 @@ app.add_typer(bench, name="bench")
 
 _Files = Annotated[
     list[Path], typer.Argument(help="PDB or mmCIF files, gzipped or not.", show_default=False)
+]
+
+
+_Contact = Annotated[
+    str | None,
+    typer.Option(help="With atoms, seek a 'sheared' or 'watson-crick' pair of the loop's ends."),
 ]
 
 
@@ -75,6 +84,10 @@ def fold(
         bool, typer.Option("--all-models/--first-model", help="Fold every model of the file.")
     ] = True,
     plot: Annotated[bool, typer.Option(help="Draw plot.png.")] = True,
+    atoms: Annotated[
+        bool, typer.Option("--atoms", help="Build the loop's atoms on every candidate's line.")
+    ] = False,
+    contact: _Contact = None,
 ) -> None:
     """Fold every hairpin loop of the files; write tables, traces and a picture per hairpin."""
     from tqdm import tqdm
@@ -86,6 +99,7 @@ def fold(
 
     folders = Folders(out)
     results: list[tuple[str, LoopFold | str, Path | None]] = []
+    without_atoms: list[str] = []
     for file in tqdm(files, disable=len(files) < 2, unit="file", leave=False):
         try:
             structure = read_structure(file)
@@ -105,7 +119,13 @@ def fold(
                 folder = None
                 if loop.failure is None:
                     folder = folders.claim(file, loop)
-                    write_fold(folder, file, loop, structure.nucleotides, plot=plot)
+                    built = None
+                    if atoms:
+                        try:
+                            built = _atoms(structure, loop, structure.positions(0), contact)
+                        except LoopelasticaError as error:
+                            without_atoms.append(f"{file.name}: {error}")
+                    write_fold(folder, file, loop, structure.nucleotides, plot, built)
                 results.append((file.name, loop, folder))
         except LoopelasticaError as error:
             results.append((file.name, str(error), None))
@@ -119,7 +139,7 @@ def fold(
         result if isinstance(result, str) else f"{name}: {result.failure}"
         for name, result, _ in results
         if isinstance(result, str) or result.failure
-    ]
+    ] + without_atoms
     for sentence in failures:
         typer.echo(sentence, err=True)
     for name, result, _ in results:
@@ -127,6 +147,62 @@ def fold(
             typer.echo(f"{name}: {sentence}", err=True)
     if failures:
         raise typer.Exit(1)
+
+
+@app.command()
+def build(
+    sequence: Annotated[
+        str,
+        typer.Argument(
+            help='Stem and loop, such as "GGCAC(UUCG)GUGCC".', show_default=False
+        ),
+    ],
+    is_dna: Annotated[
+        bool, typer.Option("--dna/--rna", help="B-DNA or A-RNA stem.", show_default=False)
+    ],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-out"
+    ),
+    candidates: Annotated[int, typer.Option(help="Shapes kept.", min=1)] = 10,
+    plot: Annotated[bool, typer.Option(help="Draw plot.png.")] = True,
+    contact: _Contact = None,
+) -> None:
+    """Build a hairpin from its sequence alone: ideal stem, folded loop, atoms."""
+    from loopelastica.atoms.sequence import fold_sequence
+    from loopelastica.output import Folders, write_fold
+
+    try:
+        structure, loop, positions = fold_sequence(sequence, is_dna, max_candidates=candidates)
+        if loop.failure is not None:
+            typer.echo(loop.failure, err=True)
+            raise typer.Exit(1)
+        built = _atoms(structure, loop, positions, contact)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    name = "".join(letter for letter in sequence.upper() if letter.isalpha())
+    folder = Folders(out).claim(Path(name), loop)
+    write_fold(folder, sequence, loop, structure.nucleotides, plot, built)
+    _console().print(_fold_table([(name, loop, folder)]))
+
+
+def _atoms(
+    structure: "Structure", loop: "LoopFold", positions: "Array", contact: str | None
+) -> "LoopAtoms":
+    """Atoms of all candidates, with a progress bar."""
+    from tqdm import tqdm
+
+    from loopelastica.atoms.model import build_atoms
+    from loopelastica.atoms.write import LoopAtoms
+
+    with tqdm(total=len(loop.candidates), unit="model", leave=False) as bar:
+        models = build_atoms(
+            structure,
+            loop,
+            positions=positions,
+            contact=contact,
+            progress=lambda done, total: bar.update(),
+        )
+    return LoopAtoms(structure, loop, tuple(models), positions)
 
 
 def _console() -> "Console":

@@ -15,7 +15,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from loopelastica.molecule.nucleotides import Nucleotides
 from loopelastica.molecule.trace import to_file_coordinates
 from loopelastica.rank import Candidate
 from loopelastica.rod.clamping import Array
+
+if TYPE_CHECKING:
+    from loopelastica.atoms.write import LoopAtoms
 
 # points of line.csv and of the plots, per candidate
 LINE_POINTS = 101
@@ -68,21 +71,35 @@ def _umask() -> int:
 
 
 def write_fold(
-    path: Path, source: Path, fold: LoopFold, nucleotides: Nucleotides, plot: bool = True
+    path: Path,
+    source: Path | str,
+    fold: LoopFold,
+    nucleotides: Nucleotides,
+    plot: bool = True,
+    atoms: "LoopAtoms | None" = None,
 ) -> None:
-    """Write ranking.csv, ranking.json, traces.pdb, line.csv and plot.png of one folded loop."""
+    """Write ranking.csv, ranking.json, traces.pdb, line.csv and plot.png of one folded loop.
+
+    With ``atoms`` also atoms.pdb, atoms.cif, loop.sdf and atoms.json. ``source`` is the file that
+    was read, or the sequence the hairpin was built from.
+    """
     with whole_folder(path) as part:
-        _write_ranking_csv(part / "ranking.csv", fold)
+        _write_ranking_csv(part / "ranking.csv", fold, atoms)
         (part / "ranking.json").write_text(
             json.dumps(ranking(source, fold), indent=1, allow_nan=False, ensure_ascii=False) + "\n",
             encoding="utf-8",
         )
         _write_line(part / "line.csv", fold)
         _write_traces(part / "traces.pdb", fold, nucleotides)
+        if atoms is not None:
+            from loopelastica.atoms.write import write_atoms
+
+            write_atoms(part, atoms)
         if plot:
             from loopelastica.plots import plot_fold
 
-            plot_fold(fold, part / "plot.png", title=path.name)
+            sticks = None if atoms is None else atoms.sticks(1)
+            plot_fold(fold, part / "plot.png", title=path.name, sticks=sticks)
 
 
 def rmsd_summary(candidate: Candidate) -> tuple[float | None, float | None, int]:
@@ -113,7 +130,7 @@ def row(candidate: Candidate) -> dict[str, Any]:
     }
 
 
-def ranking(source: Path, fold: LoopFold) -> dict[str, Any]:
+def ranking(source: Path | str, fold: LoopFold) -> dict[str, Any]:
     """The content of ranking.json: all that is needed to repeat and to judge the result."""
     if fold.ends is None or fold.clamping is None:
         raise ValueError("`fold` has no candidates to write")
@@ -121,7 +138,9 @@ def ranking(source: Path, fold: LoopFold) -> dict[str, Any]:
     return {
         "program": "loopelastica",
         "version": __version__,
-        "input": {"file": source.name, "sha256": sha256(source)},
+        "input": {"file": source.name, "sha256": sha256(source)}
+        if isinstance(source, Path)
+        else {"sequence": source},
         "hairpin": {
             "chain": hairpin.chain,
             "closing_pair": list(hairpin.closing_pair),
@@ -188,8 +207,8 @@ def line(fold: LoopFold, candidate: Candidate, n: int = LINE_POINTS) -> dict[str
     }
 
 
-def _write_ranking_csv(path: Path, fold: LoopFold) -> None:
-    rows = [row(c) for c in fold.candidates]
+def _write_ranking_csv(path: Path, fold: LoopFold, atoms: "LoopAtoms | None") -> None:
+    rows = [row(c) | (atoms.columns(c.rank) if atoms else {}) for c in fold.candidates]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
         writer.writeheader()

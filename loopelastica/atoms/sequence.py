@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica.atoms.fibre import fibre_nucleotide
+from loopelastica.folding import PERSISTENCE_LENGTH_A, LoopFold, fold_positions
 from loopelastica.molecule._reading import quiet
 from loopelastica.molecule.hairpins import MAX_LOOP, MIN_LOOP, Hairpin
 from loopelastica.molecule.nucleotides import Structure, read_structure
@@ -119,6 +120,32 @@ def ideal_hairpin(text: str, is_dna: bool) -> tuple[Structure, Hairpin, Array]:
     known = np.array(places)
     known[np.isin(resindex, rows)] = np.nan
     return structure, hairpin, known
+
+
+def fold_sequence(
+    text: str, is_dna: bool, *, max_candidates: int = 10
+) -> tuple[Structure, LoopFold, Array]:
+    """Ideal stem of a sequence with its loop folded; see :func:`ideal_hairpin`.
+
+    Returns
+    -------
+    structure : Structure
+    fold : LoopFold
+    positions : (n_atoms, 3) array
+        What :func:`loopelastica.atoms.model.build_atoms` wants with them.
+    """
+    structure, hairpin, positions = ideal_hairpin(text, is_dna)
+    parameters = {
+        "free_spin": True,
+        "torsion_ratio": 1.0,
+        "length_per_nucleotide_A": None,
+        "persistence_length_A": PERSISTENCE_LENGTH_A,
+        "energy_max": None,
+        "max_candidates": max_candidates,
+        "all_models": False,
+    }
+    fold = fold_positions(structure.nucleotides, hairpin, positions, **parameters)
+    return structure, fold, positions
 
 
 def _screwed(at: Array, step: int, is_dna: bool) -> Array:

@@ -66,6 +66,12 @@ class LoopAtoms:
         return dict(zip(_COLUMNS, values, strict=True))
 
 
+    def sticks(self, rank: int) -> Array | None:
+        """Bonds (m, 2, 3) of one candidate's atoms in the coordinates of the file, Å."""
+        found = next((m for m in self.models if m.rank == rank), None)
+        return None if found is None else found.positions_A[np.array(found.molecule.bonds)]
+
+
 _COLUMNS: Final = (
     "atoms_status",
     "atoms_sound",
