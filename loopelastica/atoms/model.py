@@ -52,11 +52,14 @@ from loopelastica.rank import Candidate
 Array = NDArray[np.float64]
 
 LINE_SD_A: Final = (0.3, 1.0, 3.0)
-"""How near the backbone centroids are held to the line; the next one where no sound model, one with
-right hands, a whole chain and no clash, comes of the one before."""
+"""How near the backbone centroids are held to the line. The next one is for lines from which no
+sound model (right hands, whole chain, no clash) has come: a rod has no thickness and may run
+through the stem or itself. The nucleotides are then moved out of the way first."""
 TETHER_SD_A: Final = 3.0
 _NEIGHBOURHOOD_A: Final = 14.0
 _GRID_A: Final = 6
+_PUSHES: Final = 100
+_PUSH_A: Final = 3.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -303,10 +306,13 @@ def _candidate(
     )
     centers = line.at(np.arange(1, n + 1))[0]
     best: tuple[tuple[bool, float], Turns, Array, Relaxed, Checks] | None = None
-    for line_sd in LINE_SD_A:
+    for attempt, line_sd in enumerate(LINE_SD_A):
         for turns in combinations[:tries]:
             start = _start(site, line, turns)
-            relaxed = _minimum(site, centers, line_sd, start, max_steps, max_seconds)
+            moved = _moved_out(site, start) if attempt else np.zeros((n, 3))
+            relaxed = _minimum(
+                site, centers + moved, line_sd, _shifted(site, start, moved), max_steps, max_seconds
+            )
             checks = check(site.molecule, site.geometry, relaxed.positions_A, site.around,
                            centers, start)  # fmt: skip
             # chemistry first, then the strain that is left against what stacking has gained
@@ -366,6 +372,39 @@ def _start(site: _Site, line: Line, turns: Turns) -> Array:
             positions[row] = at[key]
     _methyls(molecule, positions, at)
     return np.round(positions, _GRID_A)
+
+
+def _moved_out(site: _Site, start: Array) -> Array:
+    """Shifts (n, 3) that take whole nucleotides out of the stem and of each other, Å.
+
+    No atom can pass through a ring once the chemistry is restored; a rigid nucleotide can before.
+    """
+    n = len(site.molecule.residues)
+    owner = np.array(site.molecule.residue)
+    atoms = [start[owner == k] for k in range(n)]
+    shift = np.zeros((n, 3))
+    for _ in range(_PUSHES):
+        push = np.zeros((n, 3))
+        for k in range(n):
+            here = atoms[k] + shift[k]
+            for other in [site.around, *(atoms[j] + shift[j] for j in range(n) if abs(j - k) > 1)]:
+                between = here[:, None] - other[None]
+                apart = np.linalg.norm(between, axis=-1)
+                overlap = np.maximum(_PUSH_A - apart, 0.0) / np.maximum(apart, 0.1)
+                push[k] += (overlap[..., None] * between).sum(axis=(0, 1))
+        size = np.linalg.norm(push, axis=1, keepdims=True)
+        if size.max() < 1e-6:
+            break
+        shift += push * np.minimum(0.05, 0.3 / np.maximum(size, 1e-9))
+    return shift
+
+
+def _shifted(site: _Site, start: Array, shift: Array) -> Array:
+    """Positions with every loop nucleotide moved as a whole."""
+    out = start.copy()
+    rows = site.molecule.loop_atoms
+    out[rows] += shift[np.array(site.molecule.residue)[rows]]
+    return np.round(out, _GRID_A)
 
 
 def _phosphate(residue: Residue, line: Line, k: int, omega: float) -> dict[str, Array]:

@@ -24,6 +24,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
 
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.fibre import fibre_nucleotide, in_line_frame
@@ -222,12 +223,10 @@ def _clash(a: Array, b: Array) -> Array:
     """Σ over atom pairs, (s, t), of (s, a, 3) and (t, b, 3)."""
     total = np.zeros((len(a), len(b)))
     flat = b.reshape(-1, 3)
-    square_b = (flat**2).sum(axis=1)
     for column in range(a.shape[1]):
-        at = a[:, column]
-        square = (at**2).sum(axis=1)[:, None] + square_b - 2.0 * at @ flat.T
+        square = cdist(a[:, column], flat, "sqeuclidean")
         rows, columns = np.nonzero(square < _CLASH_A**2)
-        overlap = _CLASH_A - np.sqrt(np.maximum(square[rows, columns], 0.0))
+        overlap = _CLASH_A - np.sqrt(square[rows, columns])
         np.add.at(total, (rows, columns // b.shape[1]), overlap**2)
     return total
 
