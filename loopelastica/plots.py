@@ -12,9 +12,7 @@ from loopelastica.rod.clamping import Array
 _POINTS = 101
 
 
-def plot_fold(
-    fold: LoopFold, path: Path, title: str = "", sticks: Array | None = None
-) -> None:
+def plot_fold(fold: LoopFold, path: Path, title: str = "", sticks: Array | None = None) -> None:
     """Draw the candidates and the native line from two sides, and the curvature along the loop.
 
     ``sticks`` (m, 2, 3) are the bonds of the first candidate's atoms, Å.

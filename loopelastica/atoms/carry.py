@@ -74,9 +74,7 @@ class Line:
         mismatch = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
         wanted = n * helix_twist(strand) - math.tau * rod.twist
         whole = round((wanted - mismatch) / math.tau)
-        return cls(
-            rod, strand, length_A, n, end_origin, end_frame, mismatch + whole * math.tau
-        )
+        return cls(rod, strand, length_A, n, end_origin, end_frame, mismatch + whole * math.tau)
 
     def at(self, phases: ArrayLike) -> tuple[Array, Array]:
         """Points (m, 3) and frames (m, 3, 3), columns d1 d2 d3, at the phases (m,)."""
@@ -117,9 +115,7 @@ def own_phase(strand: Strand, position: Array) -> tuple[float, Array]:
         Components along d1 and d2, Å.
     """
     phase = 0.0
-    step_A = math.hypot(
-        line_cylinder(strand)[0] * math.radians(strand.turn_deg), strand.rise_A
-    )
+    step_A = math.hypot(line_cylinder(strand)[0] * math.radians(strand.turn_deg), strand.rise_A)
     # a fixed-point iteration: atoms of the backbone are much nearer to the line than its radius
     for _ in range(60):
         point, frame = line_frame(strand, phase)

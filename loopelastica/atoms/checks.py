@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica.atoms.chemistry import LoopMolecule
-from loopelastica.atoms.geometry import CHIRALITY, IdealGeometry, chiral_quads, separations
+from loopelastica.atoms.geometry import IdealGeometry, chiral_quads, separations
 from loopelastica.molecule.nucleotides import BACKBONE
 
 Array = NDArray[np.float64]
@@ -208,7 +208,9 @@ def pseudorotation(c1: Array, c2: Array, c3: Array, c4: Array, o4: Array) -> tup
     sine = (nu_4 + nu_1) - (nu_3 + nu_0)
     cosine = 2.0 * nu_2 * (math.sin(math.radians(36.0)) + math.sin(math.radians(72.0)))
     phase = math.degrees(math.atan2(sine, cosine)) % 360.0
-    return phase, math.hypot(sine, cosine) / (2.0 * (math.sin(math.radians(36.0)) + math.sin(math.radians(72.0))))
+    return phase, math.hypot(sine, cosine) / (
+        2.0 * (math.sin(math.radians(36.0)) + math.sin(math.radians(72.0)))
+    )
 
 
 def pucker_name(phase: float) -> str:

@@ -131,9 +131,7 @@ def loop_molecule(residues: Sequence[Residue]) -> LoopMolecule:
         names += [atom.GetProp("name") for atom in part.GetAtoms()]
         residue += [number] * part.GetNumAtoms()
         if offset:
-            before = max(
-                row for row in range(offset) if names[row] == "O3'"
-            )
+            before = max(row for row in range(offset) if names[row] == "O3'")
             here = offset + names[offset:].index("P")
             mol.AddBond(before, here, Chem.BondType.SINGLE)
     Chem.SanitizeMol(mol)

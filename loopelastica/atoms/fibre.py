@@ -173,9 +173,7 @@ def fibre_nucleotide(letter: str, is_dna: bool) -> dict[str, Array]:
     base = own[letter] if letter in own else own["T" if letter == "U" else "U"]
     cylinder = backbone | sugar | base
     order = ["P", "OP1", "OP2", "O5'", "C5'", "C4'", "O4'", "C3'", "O3'", "C2'", "O2'", "C1'"]
-    atoms = {
-        name: _cartesian(cylinder[name]) for name in [*order, *base] if name in cylinder
-    }
+    atoms = {name: _cartesian(cylinder[name]) for name in [*order, *base] if name in cylinder}
     if letter == "U" and is_dna:
         del atoms["C7"]
     elif letter == "T" and not is_dna:

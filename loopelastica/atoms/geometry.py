@@ -1,4 +1,4 @@
-"""Ideal geometry of a loop as restraints: which atoms, what lengths, angles, volumes and contacts."""
+"""Ideal geometry of a loop: which atoms, what lengths, angles, volumes and least distances."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Index = NDArray[np.int64]
 
 BOND_SD_A: Final = 0.012
 ANGLE_SD_DEG: Final = 2.0
-"""Standard deviations of the sources are 0.004–0.017 Å and 0.4–3.2°; one for all keeps it simple."""
+"""The sources have 0.004–0.017 Å and 0.4–3.2°; one for all keeps it simple."""
 VOLUME_SD_A3: Final = 0.15
 PLANAR_SD_A3: Final = 0.10
 
@@ -71,9 +71,7 @@ def ideal_geometry(molecule: LoopMolecule) -> IdealGeometry:
             angles.append((i, j, k))
             value = _tabulated(molecule, i, j, k)
             degrees.append(fallback.angle(i, j, k) if value is None else value)
-    return IdealGeometry(
-        np.array(bonds), np.array(lengths), np.array(angles), np.array(degrees)
-    )
+    return IdealGeometry(np.array(bonds), np.array(lengths), np.array(angles), np.array(degrees))
 
 
 def outer_distances(geometry: IdealGeometry) -> tuple[Index, Array, Array]:
@@ -116,7 +114,7 @@ def chiral_quads(molecule: LoopMolecule) -> tuple[Index, Array]:
 
 
 def planar_quads(molecule: LoopMolecule) -> Index:
-    """Quadruples (q, 4) that lie in a plane: trigonal atoms, and neighbours along aromatic bonds."""
+    """Quadruples (q, 4) in a plane: trigonal atoms, and neighbours along aromatic bonds."""
     from rdkit import Chem
 
     mol = molecule.mol
@@ -182,9 +180,7 @@ def nearest_A(polar: NDArray[np.bool_], other_polar: NDArray[np.bool_]) -> Array
 
 
 def _rows(molecule: LoopMolecule) -> dict[tuple[int, str], int]:
-    return {
-        key: row for row, key in enumerate(zip(molecule.residue, molecule.names, strict=True))
-    }
+    return {key: row for row, key in enumerate(zip(molecule.residue, molecule.names, strict=True))}
 
 
 def _named(

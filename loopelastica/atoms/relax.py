@@ -136,8 +136,8 @@ def relax(
         step = -factors.solve(jacobian.T @ residual).reshape(-1, 3)
         longest = float(np.linalg.norm(step, axis=1).max())
         # one step may not carry an atom through another
-        if longest > 0.5:
-            step *= 0.5 / longest
+        if longest > 0.25:
+            step *= 0.25 / longest
         trial = x.copy()
         trial[: restraints.n_moving] += step
         other, other_jacobian = _evaluate(restraints, trial, listed)
@@ -168,9 +168,7 @@ def _listed(restraints: Restraints, x: Array) -> tuple[Index, Array]:
     return near[chosen], restraints.near_A[chosen]
 
 
-def _evaluate(
-    restraints: Restraints, x: Array, listed: tuple[Index, Array]
-) -> tuple[Array, Any]:
+def _evaluate(restraints: Restraints, x: Array, listed: tuple[Index, Array]) -> tuple[Array, Any]:
     """Residuals (m,) and their sparse Jacobian (m, 3 n_moving)."""
     r = restraints
     free = 3 * r.n_moving
@@ -218,7 +216,12 @@ def _overlaps(x: Array, pairs: Index, least: Array) -> tuple[Array, Index, Array
     between = x[pairs[:, 0]] - x[pairs[:, 1]]
     apart = np.maximum(np.linalg.norm(between, axis=1), 1e-6)
     touching = apart < least
-    pairs, between, apart, least = pairs[touching], between[touching], apart[touching], least[touching]
+    pairs, between, apart, least = (
+        pairs[touching],
+        between[touching],
+        apart[touching],
+        least[touching],
+    )
     direction = between / (apart * OVERLAP_SD_A)[:, None]
     return (apart - least) / OVERLAP_SD_A, pairs, np.stack([direction, -direction], axis=1)
 

@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 OMEGA_STEPS: Final = 24
 CHI_CHANGES_DEG: Final = (0.0, -30.0, 30.0)
 SYN_CHI_DEG: Final = 60.0
-CONTACTS: Final = {
+CONTACTS: Final[dict[str, dict[str, tuple[tuple[str, str], ...]]]] = {
     # donor–acceptor pairs of a sheared G·A and of Watson–Crick and wobble pairs
     "sheared": {"GA": (("N2", "N7"), ("N3", "N6")), "AG": (("N7", "N2"), ("N6", "N3"))},
     "watson-crick": {
@@ -144,7 +144,9 @@ def turned(
     return _distinct(beam, score, changes, keep)
 
 
-def place(letter: str, is_dna: bool, line: Line, k: int, omega: float, chi: float) -> dict[str, Array]:
+def place(
+    letter: str, is_dna: bool, line: Line, k: int, omega: float, chi: float
+) -> dict[str, Array]:
     """Atoms of loop nucleotide k without its phosphate, Ω and change of χ in degrees."""
     names, local = _local(letter, is_dna, np.array([chi]))
     point, frame = line.at([float(k)])
@@ -240,7 +242,7 @@ def _stacking(a: tuple[Array, Array], b: tuple[Array, Array]) -> Array:
     rise = np.abs((between * normal).sum(axis=-1))
     slide = np.sqrt(np.maximum((between**2).sum(axis=-1) - rise**2, 0.0))
     shape = np.exp(-(((rise - _STACK_A) / 0.7) ** 2) - (slide / 3.0) ** 2)
-    return -_STACK * parallel**4 * shape
+    return np.asarray(-_STACK * parallel**4 * shape)
 
 
 def _junction(distance: Array, ideal: float) -> Array:

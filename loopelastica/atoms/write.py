@@ -1,6 +1,8 @@
 """Files of a loop with atoms: atoms.pdb, atoms.cif, loop.sdf, atoms.json.
 
-The full structure is written with one MODEL per candidate. All atoms but the loop's keep number,
+The full structure is written with one MODEL per candidate; its number is the candidate's rank. A
+candidate whose atoms are not sound (a wrong hand, a broken chain, a contact below 2.2 Å) is left
+out and reported in atoms.json. All atoms but the loop's keep number,
 name and coordinates. Hydrogens of the file's own loop are gone with it: a model has heavy atoms.
 Waters within 3 Å of any model are left out, for they were placed around the file's own loop. Names
 are today's wwPDB names; a modified nucleotide that cannot be built is written as its parent.
@@ -17,7 +19,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from loopelastica.atoms.model import AtomModel, elements, waters
+from loopelastica.atoms.model import AtomModel
+from loopelastica.atoms.site import elements, waters
 from loopelastica.folding import LoopFold
 from loopelastica.molecule._reading import quiet
 from loopelastica.molecule.nucleotides import Structure
@@ -46,6 +49,11 @@ class LoopAtoms:
     models: tuple[AtomModel, ...]
     positions: Array
 
+    @property
+    def written(self) -> tuple[AtomModel, ...]:
+        """The sound models; the others are only reported."""
+        return tuple(model for model in self.models if model.checks.sound)
+
     def columns(self, rank: int) -> dict[str, Any]:
         """What a row of ranking.csv says about the atoms of one candidate; empty cells if none."""
         found = next((m for m in self.models if m.rank == rank), None)
@@ -64,7 +72,6 @@ class LoopAtoms:
             c.line_after_A,
         )
         return dict(zip(_COLUMNS, values, strict=True))
-
 
     def sticks(self, rank: int) -> Array | None:
         """Bonds (m, 2, 3) of one candidate's atoms in the coordinates of the file, Å."""
@@ -86,13 +93,18 @@ _COLUMNS: Final = (
 
 
 def write_atoms(folder: Path, atoms: LoopAtoms) -> None:
-    """Write the files of one loop into a folder; atoms.cif only where gemmi is installed."""
-    write_pdb(folder / "atoms.pdb", atoms)
-    write_sdf(folder / "loop.sdf", atoms.models)
+    """Write the files of one loop into a folder.
+
+    atoms.cif only where gemmi is installed; where no model is sound, atoms.json alone says so.
+    """
     content = report(atoms)
     (folder / "atoms.json").write_text(
         json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8"
     )
+    if not atoms.written:
+        return
+    write_pdb(folder / "atoms.pdb", atoms)
+    write_sdf(folder / "loop.sdf", atoms.written)
     try:
         import gemmi
     except ImportError:
@@ -108,10 +120,11 @@ def write_pdb(path: Path, atoms: LoopAtoms) -> None:
 
     universe, loop, kept = _universe(atoms)
     bonds = "all" if len(universe.atoms) <= _LAST_SERIAL else None
-    with quiet(), mda.Writer(
-        str(path), n_atoms=len(universe.atoms), multiframe=True, bonds=bonds
-    ) as writer:
-        for model in atoms.models:
+    with (
+        quiet(),
+        mda.Writer(str(path), n_atoms=len(universe.atoms), multiframe=True, bonds=bonds) as writer,
+    ):
+        for model in atoms.written:
             positions = np.empty((len(universe.atoms), 3))
             positions[loop] = model.positions_A[model.molecule.loop_atoms]
             positions[~loop] = atoms.positions[kept]
@@ -227,7 +240,9 @@ def _universe(atoms: LoopAtoms) -> tuple[Any, NDArray[np.bool_], NDArray[np.int6
         symbol = np.where(loop, symbols[own], np.char.capitalize(elements(atoms.structure))[old])
         for name, values in {
             "name": np.where(loop, names[own], np.asarray(source.atoms.names, dtype=object)[old]),
-            "element": atom("elements", "", symbol) if hasattr(source.atoms, "elements") else symbol,
+            "element": atom("elements", "", symbol)
+            if hasattr(source.atoms, "elements")
+            else symbol,
             "type": symbol,
             "record_type": atom("record_types", "ATOM", "ATOM"),
             "altLoc": atom("altLocs", "", ""),
@@ -268,7 +283,7 @@ def _displaced(atoms: LoopAtoms) -> NDArray[np.bool_]:
     out = np.zeros(len(atoms.positions), dtype=np.bool_)
     if len(water) == 0:
         return out
-    loop = np.concatenate([m.positions_A[m.molecule.loop_atoms] for m in atoms.models])
+    loop = np.concatenate([m.positions_A[m.molecule.loop_atoms] for m in atoms.written])
     near = cKDTree(loop).query(atoms.positions[water], distance_upper_bound=_WATER_A)[0]
     resindices = atoms.structure.universe.atoms.resindices
     gone = np.unique(resindices[water[np.isfinite(near)]])
