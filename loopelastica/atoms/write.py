@@ -1,11 +1,11 @@
 """Files of a loop with atoms: atoms.pdb, atoms.cif, loop.sdf, atoms.json.
 
-The full structure is written with one MODEL per candidate; its number is the candidate's rank. A
-candidate whose atoms are not sound (a wrong hand, a broken chain, a contact below 2.2 Å) is left
-out and reported in atoms.json. All atoms but the loop's keep number,
-name and coordinates. Hydrogens of the file's own loop are gone with it: a model has heavy atoms.
-Waters within 3 Å of any model are left out, for they were placed around the file's own loop. Names
-are today's wwPDB names; a modified nucleotide that cannot be built is written as its parent.
+The full structure is written with one MODEL per candidate, in their order. A candidate whose atoms
+are not sound (a wrong hand, a broken chain, a contact below 2.2 Å) is left out and reported in
+atoms.json. All atoms but the loop's keep number, name and coordinates. Hydrogens of the file's own
+loop are gone with it: a model has heavy atoms. Waters within 3 Å of any model are left out, for
+they were placed around the file's own loop. Names are today's wwPDB names; a modified nucleotide
+that cannot be built is written as its parent.
 """
 
 from __future__ import annotations
@@ -164,6 +164,8 @@ def report(atoms: LoopAtoms) -> dict[str, Any]:
             {"file": table.label(int(row)), "built": residue.standard}
             for row, residue in zip(hairpin.loop, built, strict=False)
         ],
+        # ranks of the MODELs of atoms.pdb, in their order
+        "models": [model.rank for model in atoms.written],
         "candidates": [
             {
                 "rank": model.rank,
