@@ -361,6 +361,23 @@ def bench_paper(
     typer.echo(f"written to {out}")
 
 
+@bench.command("atoms")
+def bench_atoms(
+    folder: Annotated[Path, typer.Argument(help="Folder of structure files.", show_default=False)],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-bench/atoms"
+    ),
+    sample: Annotated[
+        int | None, typer.Option(help="Only so many files, evenly spread.", min=1)
+    ] = None,
+) -> None:
+    """Build the first candidate's atoms for every simple loop of a folder; judge the models."""
+    from loopelastica.bench.atoms import run
+
+    typer.echo(run(folder, out, sample=sample, progress=True))
+    typer.echo(f"written to {out}")
+
+
 @bench.command("stability")
 def bench_stability(
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(

@@ -161,8 +161,9 @@ def fibre_nucleotide(letter: str, is_dna: bool) -> dict[str, Array]:
     Examples
     --------
     >>> atoms = fibre_nucleotide("G", False)
-    >>> len(atoms), f"{np.linalg.norm(atoms["C1'"] - atoms['N9']):.2f}"
-    (23, '1.48')
+    >>> bond_A = np.linalg.norm(atoms["C1'"] - atoms["N9"])
+    >>> print(len(atoms), f"{bond_A:.2f}")
+    23 1.48
     """
     if letter not in "ACGUT" or len(letter) != 1:
         raise ValueError(f"`letter` is {letter!r}; it must be one of A, C, G, U, T")
