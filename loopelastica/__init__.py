@@ -25,6 +25,8 @@ _PUBLIC = {
     "fold": "folding",
     "LoopFold": "folding",
     "Candidate": "rank",
+    "build_atoms": "atoms.model",
+    "AtomModel": "atoms.model",
     "LoopelasticaError": "errors",
     "StructureError": "errors",
     "MissingDependencyError": "errors",
@@ -33,6 +35,8 @@ _PUBLIC = {
 __all__ = ["__version__", *_PUBLIC]
 
 if TYPE_CHECKING:
+    from loopelastica.atoms.model import AtomModel as AtomModel
+    from loopelastica.atoms.model import build_atoms as build_atoms
     from loopelastica.errors import LoopelasticaError as LoopelasticaError
     from loopelastica.errors import MissingDependencyError as MissingDependencyError
     from loopelastica.errors import StructureError as StructureError
