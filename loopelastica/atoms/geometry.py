@@ -36,6 +36,8 @@ _AMPLITUDE_DEG: Final = 38.0
 PUCKERS_DEG: Final = (18.0, 162.0)
 """C3'-endo and C2'-endo, the two puckers that sugars have."""
 PUCKER_SD_A3: Final = 0.3
+TORSION_SD: Final = 0.4
+"""An eclipsed torsion costs (1/0.4)² = 6, a bond that is 0.03 Å too long the same."""
 
 NEAREST_A: Final = 3.1
 NEAREST_POLAR_A: Final = 2.7
@@ -165,6 +167,22 @@ def ring_quads(
             quads.append((a, b, c, d))
             volumes.append(size * np.sin(torsion))
     return np.array(quads, dtype=np.int64), np.array(volumes)
+
+
+def backbone_torsions(molecule: LoopMolecule) -> Index:
+    """α, γ and ζ (t, 4) of the loop's backbone: torsions with three staggered places."""
+    rows = _rows(molecule)
+    quads = []
+    for k in range(len(molecule.residues) + 1):
+        for names in (
+            ((-1, "O3'"), (0, "P"), (0, "O5'"), (0, "C5'")),
+            ((0, "O5'"), (0, "C5'"), (0, "C4'"), (0, "C3'")),
+            ((-1, "C3'"), (-1, "O3'"), (0, "P"), (0, "O5'")),
+        ):
+            quad = [rows.get((k + step, name)) for step, name in names]
+            if None not in quad:
+                quads.append(quad)
+    return np.array(quads, dtype=np.int64)
 
 
 def separations(molecule: LoopMolecule) -> Array:

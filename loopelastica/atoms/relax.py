@@ -1,10 +1,10 @@
 """Restored chemistry (step iv): least squares of ideal geometry with the stem held fixed.
 
 Every term is a residual over its standard deviation: bond lengths, angles (as distances of the two
-outer atoms), signed volumes (chirality, and planarity where the volume is zero), overlap of atoms
-nearer than they may be, distance of each nucleotide's backbone centroid from the line, and a weak
-tether of every atom to where the line had carried it. The tethers make the minimum a smooth
-function of the input, so that small changes of the stem move it little.
+outer atoms), signed volumes (chirality, and planarity where the volume is zero), torsions α γ ζ that
+are not staggered, overlap of atoms nearer than they may be, distance of each nucleotide's backbone
+centroid from the line, and a weak tether of every atom to where the line had carried it. The
+tethers make the minimum a smooth function of the input.
 
 rdkit's force fields were tried in its place, with the stem fixed and the backbone held near the
 line, on the first candidates of 2KOC, 1BJH, 1AC7, 1JUR, 1KR8 and 1HLX. Share of bonds within 0.05 Å
@@ -68,6 +68,8 @@ class Restraints:
         Distances: bonds and angles.
     quads, volume, volume_sd : (q, 4), (q,), (q,) array
         (b − a) · (c − a) × (d − a) in Å³ for atoms a b c d.
+    torsions, torsion_sd : (t, 4), float
+        Torsions a–b–c–d that like to be staggered (60°, 180°, 300°): residual cos(3φ/2).
     groups, center_A, center_sd : (g, m), (g, 3), float
         Centroids held to points.
     tether_A, tether_sd : (n_moving, 3), float
@@ -83,6 +85,8 @@ class Restraints:
     quads: Index
     volume: Array
     volume_sd: Array
+    torsions: Index
+    torsion_sd: float
     groups: Index
     center_A: Array
     center_sd: float
@@ -189,6 +193,7 @@ def _evaluate(restraints: Restraints, x: Array, listed: tuple[Index, Array]) -> 
         _distances(x, r.pairs, r.length_A, r.length_sd),
         _overlaps(x, *listed),
         _volumes(x, r.quads, r.volume, r.volume_sd),
+        _staggered(x, r.torsions, r.torsion_sd),
     ):
         values.append(value)
         row = np.broadcast_to(count + np.arange(len(value))[:, None, None], gradient.shape)
@@ -246,18 +251,38 @@ def _volumes(x: Array, quads: Index, volume: Array, sd: Array) -> tuple[Array, I
     return (value - volume) / sd, quads, gradient / sd[:, None, None]
 
 
+def _staggered(x: Array, quads: Index, sd: float) -> tuple[Array, Index, Array]:
+    a, b, c, d = (x[quads[:, column]] for column in range(4))
+    u, axis, v = b - a, c - b, d - c
+    m, n = np.cross(u, axis), np.cross(axis, v)
+    length = np.linalg.norm(axis, axis=1)
+    angle = np.arctan2(length * (u * n).sum(axis=1), (m * n).sum(axis=1))
+    # the gradient of a torsion: Blondel & Karplus, J. Comput. Chem. 17 (1996) 1132
+    at_a = -m * (length / np.maximum((m * m).sum(axis=1), 1e-9))[:, None]
+    at_d = n * (length / np.maximum((n * n).sum(axis=1), 1e-9))[:, None]
+    along_u = ((u * axis).sum(axis=1) / length**2)[:, None]
+    along_v = ((v * axis).sum(axis=1) / length**2)[:, None]
+    at_b = -at_a - along_u * at_a + along_v * at_d
+    at_c = -at_d + along_u * at_a - along_v * at_d
+    gradient = np.stack([at_a, at_b, at_c, at_d], axis=1)
+    slope = -1.5 * np.sin(1.5 * angle) / sd
+    return np.cos(1.5 * angle) / sd, quads, slope[:, None, None] * gradient
+
+
 def _by_kind(restraints: Restraints, x: Array) -> dict[str, float]:
     r = restraints
     listed = _listed(r, x)
     lengths, _, _ = _distances(x, r.pairs, r.length_A, r.length_sd)
     overlaps, _, _ = _overlaps(x, *listed)
     volumes, _, _ = _volumes(x, r.quads, r.volume, r.volume_sd)
+    torsions, _, _ = _staggered(x, r.torsions, r.torsion_sd)
     away = (x[r.groups].mean(axis=1) - r.center_A) / r.center_sd
     tethers = (x[: r.n_moving] - r.tether_A) / r.tether_sd
     return {
         "lengths_and_angles": float(lengths @ lengths),
         "overlaps": float(overlaps @ overlaps),
         "chirality_and_planarity": float(volumes @ volumes),
+        "torsions": float(torsions @ torsions),
         "line": float((away**2).sum()),
         "tethers": float((tethers**2).sum()),
     }

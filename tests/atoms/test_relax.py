@@ -18,6 +18,8 @@ def chain(rng):
         quads=np.array([[0, 1, 2, 3], [4, 1, 2, 3]]),
         volume=np.array([2.0, 0.0]),
         volume_sd=np.array([0.2, 0.3]),
+        torsions=np.array([[0, 1, 2, 3], [1, 2, 3, 4]]),
+        torsion_sd=0.5,
         groups=np.array([[0, 1], [2, 3]]),
         center_A=np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]),
         center_sd=0.5,
