@@ -1,17 +1,17 @@
 """Restored chemistry (step iv): least squares of ideal geometry with the stem held fixed.
 
 Every term is a residual over its standard deviation: bond lengths, angles (as distances of the two
-outer atoms), signed volumes (chirality, and planarity where the volume is zero), torsions α γ ζ that
-are not staggered, overlap of atoms nearer than they may be, distance of each nucleotide's backbone
-centroid from the line, and a weak tether of every atom to where the line had carried it. The
-tethers make the minimum a smooth function of the input.
+outer atoms), signed volumes (chirality, and planarity where the volume is zero), torsions α γ ζ
+that are not staggered, overlap of atoms nearer than they may be, distance of each nucleotide's
+backbone centroid from the line, and a weak tether of every atom to where the line had carried it.
+The tethers make the minimum a smooth function of the input.
 
 rdkit's force fields were tried in its place, with the stem fixed and the backbone held near the
 line, on the first candidates of 2KOC, 1BJH, 1AC7, 1JUR, 1KR8 and 1HLX. Share of bonds within 0.05 Å
 and of angles within 6° of the values of :mod:`.ideal`:
 
-    MMFF94 98.5 % and 98.6 % (rms 0.019 Å, 2.0°)    UFF 79.8 % and 85.5 % (0.061 Å, 4.3°)
-    these residuals 100 % and 99.9 % (0.001 Å, 0.8°)
+    MMFF94 98.5 % and 98.7 % (rms 0.019 Å, 2.0°)    UFF 79.6 % and 85.3 % (0.061 Å, 4.3°)
+    these residuals 100 % and 99.6 % (0.001 Å, 0.9°)
 
 MMFF94 restores sugar and phosphate much better than UFF, which makes O3'–P 0.11 Å too long and
 turns hands over; neither reaches 99 % of the bonds, for their equilibrium values are not those of
