@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica.atoms.checks import puckers
+from loopelastica.atoms.chemistry import LoopMolecule
 from loopelastica.atoms.geometry import (
     BOND_SD_A,
     NEAREST_1_4_A,
@@ -24,6 +25,7 @@ from loopelastica.atoms.geometry import (
     ring_quads,
     separations,
 )
+from loopelastica.atoms.ideal import ideal_value
 from loopelastica.atoms.relax import Relaxed, Restraints, relax
 from loopelastica.atoms.site import Site
 from loopelastica.molecule.nucleotides import BACKBONE
@@ -39,7 +41,8 @@ def minimum(
 ) -> Relaxed:
     """The minimum next to `start`, its sugars in one of the two usual puckers.
 
-    A first minimization, free of any pucker, tells which of the two is nearer for each sugar.
+    A first minimization, free of any pucker, tells which of the two is nearer for each sugar, and
+    which phosphates have turned over: their free oxygens are put anew.
     """
     order = np.array(site.molecule.loop_atoms + sorted(site.fixed))
     whole = np.concatenate([start[order], site.around])
@@ -50,10 +53,40 @@ def minimum(
     phases = np.array([phase for phase, _ in puckers(site.molecule, place)])
     away = np.abs((phases[:, None] - np.array(PUCKERS_DEG) + 180.0) % 360.0 - 180.0)
     wanted = np.array(PUCKERS_DEG)[away.argmin(axis=1)]
+    _right_phosphates(site.molecule, place)
+    whole = np.concatenate([place[order], site.around])
     restraints = _restraints(site, order, centers, line_sd, start, wanted)
-    relaxed = relax(restraints, relaxed.positions_A, max_steps=max_steps, max_seconds=max_seconds)
+    relaxed = relax(restraints, whole, max_steps=max_steps, max_seconds=max_seconds)
     place[order] = relaxed.positions_A[: len(order)]
     return Relaxed(place, relaxed.status, relaxed.steps, relaxed.cost)
+
+
+def _right_phosphates(molecule: LoopMolecule, positions: Array) -> None:
+    """Put OP1 and OP2 anew, in place, where they have each other's hand or none."""
+    quads, volumes = chiral_quads(molecule)
+    for quad, volume in zip(quads, volumes, strict=True):
+        if molecule.names[quad[0]] != "P":
+            continue
+        p, o3, op1, op2 = positions[quad]
+        if (o3 - p) @ np.cross(op1 - p, op2 - p) > 0.5 * volume:
+            continue
+        o5 = positions[molecule.index(molecule.residue[quad[0]], "O5'")]
+        u, v = (o3 - p) / np.linalg.norm(o3 - p), (o5 - p) / np.linalg.norm(o5 - p)
+        outward, across = -(u + v), np.cross(u, v)
+        outward, across = outward / np.linalg.norm(outward), across / np.linalg.norm(across)
+        # half the ideal OP1–P–OP2 angle to either side of the plane of O3', P and O5'
+        half = np.deg2rad(0.5 * _value("OP1", "P", "OP2"))
+        length = _value("P", "OP1")
+        for row, side in ((quad[2], 1.0), (quad[3], -1.0)):
+            direction = np.cos(half) * outward + side * np.sin(half) * across
+            positions[row] = p + length * direction
+
+
+def _value(*names: str) -> float:
+    """An ideal value that every nucleotide has."""
+    value = ideal_value("A", False, *names)
+    assert value is not None
+    return value
 
 
 def _restraints(
