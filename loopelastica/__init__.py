@@ -29,6 +29,8 @@ _PUBLIC = {
     "LoopScan": "scanning",
     "LoopElastica": "analysis",
     "Candidate": "rank",
+    "build_atoms": "atoms.model",
+    "AtomModel": "atoms.model",
     "to_dataframe": "table",
     "LoopelasticaError": "errors",
     "StructureError": "errors",
@@ -39,6 +41,8 @@ __all__ = ["__version__", *_PUBLIC]
 
 if TYPE_CHECKING:
     from loopelastica.analysis import LoopElastica as LoopElastica
+    from loopelastica.atoms.model import AtomModel as AtomModel
+    from loopelastica.atoms.model import build_atoms as build_atoms
     from loopelastica.errors import LoopelasticaError as LoopelasticaError
     from loopelastica.errors import MissingDependencyError as MissingDependencyError
     from loopelastica.errors import StructureError as StructureError

@@ -9,7 +9,10 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+    from loopelastica.atoms.write import LoopAtoms
     from loopelastica.folding import LoopFold
+    from loopelastica.molecule.nucleotides import Structure
+    from loopelastica.rod.clamping import Array
     from loopelastica.scanning import LoopScan
 
 app = typer.Typer(
@@ -51,6 +54,12 @@ _Jobs = Annotated[
 ]
 _Scheduler = Annotated[
     str | None, typer.Option(help="Address of a running dask scheduler, tcp://…; resumable.")
+]
+
+
+_Contact = Annotated[
+    str | None,
+    typer.Option(help="With atoms, seek a 'sheared' or 'watson-crick' pair of the loop's ends."),
 ]
 
 
@@ -134,6 +143,10 @@ def fold(
     ] = None,
     jobs: _Jobs = None,
     scheduler: _Scheduler = None,
+    atoms: Annotated[
+        bool, typer.Option("--atoms", help="Build the loop's atoms on every candidate's line.")
+    ] = False,
+    contact: _Contact = None,
 ) -> None:
     """Fold every hairpin loop of the files; write tables, traces and a picture per hairpin.
 
@@ -167,11 +180,14 @@ def fold(
         "loop": loop or (),
     }
     if jobs is not None or scheduler is not None:
+        if atoms:
+            raise typer.BadParameter("--atoms goes without --jobs and --scheduler")
         _fold_many(files, out, options, plot, jobs or 1, scheduler)
         return
     folders = Folders(out)
     notes: list[str] = []
     results: list[tuple[str, LoopFold | str, Path | None]] = []
+    without_atoms: list[str] = []
     for file in tqdm(files, disable=len(files) < 2, unit="file", leave=False):
         try:
             structure = read_structure(file)
@@ -196,7 +212,13 @@ def fold(
                 folder = None
                 if folded.failure is None:
                     folder = folders.claim(file, folded)
-                    write_fold(folder, file, folded, structure, plot=plot, whole=full)
+                    built = None
+                    if atoms:
+                        try:
+                            built = _atoms(structure, folded, structure.positions(0), contact)
+                        except LoopelasticaError as error:
+                            without_atoms.append(f"{file.name}: {error}")
+                    write_fold(folder, file, folded, structure, plot, full, built)
                 notes += [f"{file.name}: {sentence}" for sentence in folded.remarks]
                 results.append((file.name, folded, folder))
         except LoopelasticaError as error:
@@ -213,7 +235,7 @@ def fold(
         result if isinstance(result, str) else f"{name}: {result.failure}"
         for name, result, _ in results
         if isinstance(result, str) or result.failure
-    ]
+    ] + without_atoms
     for sentence in failures:
         typer.echo(sentence, err=True)
     for name, result, _ in results:
@@ -257,6 +279,60 @@ def _tell_failures(failures: tuple[str, ...], out: Path) -> None:
         typer.echo(f"{len(failures) - shown} more in {out / 'failures.csv'}", err=True)
     if failures:
         raise typer.Exit(1)
+
+
+@app.command()
+def build(
+    sequence: Annotated[
+        str,
+        typer.Argument(help='Stem and loop, such as "GGCAC(UUCG)GUGCC".', show_default=False),
+    ],
+    is_dna: Annotated[
+        bool, typer.Option("--dna/--rna", help="B-DNA or A-RNA stem.", show_default=False)
+    ],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-out"
+    ),
+    candidates: Annotated[int, typer.Option(help="Shapes kept.", min=1)] = 10,
+    plot: Annotated[bool, typer.Option(help="Draw plot.png.")] = True,
+    contact: _Contact = None,
+) -> None:
+    """Build a hairpin from its sequence alone: ideal stem, folded loop, atoms."""
+    from loopelastica.atoms.sequence import fold_sequence
+    from loopelastica.output import Folders, write_fold
+
+    try:
+        structure, loop, positions = fold_sequence(sequence, is_dna, max_candidates=candidates)
+        if loop.failure is not None:
+            typer.echo(loop.failure, err=True)
+            raise typer.Exit(1)
+        built = _atoms(structure, loop, positions, contact)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+    name = "".join(letter for letter in sequence.upper() if letter.isalpha())
+    folder = Folders(out).claim(Path(name), loop)
+    write_fold(folder, sequence, loop, structure, plot, atoms=built)
+    _console().print(_fold_table([(name, loop, folder)]))
+
+
+def _atoms(
+    structure: "Structure", loop: "LoopFold", positions: "Array", contact: str | None
+) -> "LoopAtoms":
+    """Atoms of all candidates, with a progress bar."""
+    from tqdm import tqdm
+
+    from loopelastica.atoms.model import build_atoms
+    from loopelastica.atoms.write import LoopAtoms
+
+    with tqdm(total=len(loop.candidates), unit="model", leave=False) as bar:
+        models = build_atoms(
+            structure,
+            loop,
+            positions=positions,
+            contact=contact,
+            progress=lambda done, total: bar.update(),
+        )
+    return LoopAtoms(structure, loop, tuple(models), positions)
 
 
 def _console() -> "Console":
@@ -550,6 +626,23 @@ def bench_paper(
     from loopelastica.bench.paper import run
 
     run(out, full=full, sample=sample, progress=True, own_full=own_full)
+    typer.echo(f"written to {out}")
+
+
+@bench.command("atoms")
+def bench_atoms(
+    folder: Annotated[Path, typer.Argument(help="Folder of structure files.", show_default=False)],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-bench/atoms"
+    ),
+    sample: Annotated[
+        int | None, typer.Option(help="Only so many files, evenly spread.", min=1)
+    ] = None,
+) -> None:
+    """Build the first candidate's atoms for every simple loop of a folder; judge the models."""
+    from loopelastica.bench.atoms import run
+
+    typer.echo(run(folder, out, sample=sample, progress=True))
     typer.echo(f"written to {out}")
 
 

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,6 +35,9 @@ from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.molecule.trace import to_file_coordinates
 from loopelastica.rank import Candidate
 from loopelastica.rod.clamping import Array
+
+if TYPE_CHECKING:
+    from loopelastica.atoms.write import LoopAtoms
 
 # points of line.csv and of the plots, per candidate
 LINE_POINTS = 101
@@ -83,11 +86,12 @@ def _umask() -> int:
 
 def write_fold(
     path: Path,
-    source: Path,
+    source: Path | str,
     fold: LoopFold,
     structure: Structure,
     plot: bool = True,
     whole: WholeStructure | None = None,
+    atoms: "LoopAtoms | None" = None,
 ) -> None:
     """Write the folder of one folded loop.
 
@@ -95,8 +99,8 @@ def write_fold(
     ----------
     path : Path
         The folder.
-    source : Path
-        The file that was folded.
+    source : Path or str
+        The file that was folded, or the sequence the hairpin was built from.
     fold : LoopFold
         What came out, with at least one candidate.
     structure : Structure
@@ -105,24 +109,33 @@ def write_fold(
         Draw plot.png.
     whole : WholeStructure, optional
         Write whole.pdb from it.
+    atoms : LoopAtoms, optional
+        Write atoms.pdb, atoms.cif, loop.sdf and atoms.json from it.
     """
     letters = one_letter_chains(structure.nucleotides.chain.tolist())
     with whole_folder(path) as part:
-        _write_ranking_csv(part / "ranking.csv", fold)
+        _write_ranking_csv(part / "ranking.csv", fold, atoms)
         write_json(part / "ranking.json", ranking(source, fold, structure.remarks))
         _write_line(part / "line.csv", fold)
         _write_traces(part / "traces.pdb", fold, structure, letters)
-        # a PDB file has no longer chain names: there they are those of segments
-        chain = fold.hairpin.chain
-        seen = "" if is_pdb(source) and len(chain) > 1 else chain
-        write_pymol(part / "view.pml", fold, path_from(path, source), seen)
-        write_chimerax(part / "view.cxc", fold, path_from(path, source), seen, structure.n_models)
+        if isinstance(source, Path):
+            # a PDB file has no longer chain names: there they are those of segments
+            chain = fold.hairpin.chain
+            seen = "" if is_pdb(source) and len(chain) > 1 else chain
+            file = path_from(path, source)
+            write_pymol(part / "view.pml", fold, file, seen)
+            write_chimerax(part / "view.cxc", fold, file, seen, structure.n_models)
         if whole is not None:
             whole.write(part / "whole.pdb", fold)
+        if atoms is not None:
+            from loopelastica.atoms.write import write_atoms
+
+            write_atoms(part, atoms)
         if plot:
             from loopelastica.plots import plot_fold
 
-            plot_fold(fold, part / "plot.png", title=path.name)
+            sticks = None if atoms is None else atoms.sticks(1)
+            plot_fold(fold, part / "plot.png", title=path.name, sticks=sticks)
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
@@ -172,7 +185,7 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def ranking(source: Path, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[str, Any]:
+def ranking(source: Path | str, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[str, Any]:
     """The content of ranking.json: all that is needed to repeat and to judge the result."""
     if fold.ends is None or fold.clamping is None:
         raise ValueError("`fold` has no candidates to write")
@@ -181,7 +194,9 @@ def ranking(source: Path, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[s
         "program": "loopelastica",
         "version": __version__,
         "libraries": {name: version(name) for name in ("numpy", "scipy", "numba", "MDAnalysis")},
-        "input": {"file": source.name, "sha256": sha256(source)},
+        "input": {"file": source.name, "sha256": sha256(source)}
+        if isinstance(source, Path)
+        else {"sequence": source},
         "hairpin": {
             "chain": hairpin.chain,
             "closing_pair": list(hairpin.closing_pair),
@@ -271,8 +286,8 @@ def loop_record(fold: LoopFold) -> dict[str, Any]:
     }
 
 
-def _write_ranking_csv(path: Path, fold: LoopFold) -> None:
-    rows = [record(fold, c) for c in fold.candidates]
+def _write_ranking_csv(path: Path, fold: LoopFold, atoms: "LoopAtoms | None") -> None:
+    rows = [record(fold, c) | (atoms.columns(c.rank) if atoms else {}) for c in fold.candidates]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
         writer.writeheader()

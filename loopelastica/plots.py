@@ -12,8 +12,11 @@ from loopelastica.rod.clamping import Array
 _POINTS = 101
 
 
-def plot_fold(fold: LoopFold, path: Path, title: str = "") -> None:
-    """Draw the candidates and the native line from two sides, and the curvature along the loop."""
+def plot_fold(fold: LoopFold, path: Path, title: str = "", sticks: Array | None = None) -> None:
+    """Draw the candidates and the native line from two sides, and the curvature along the loop.
+
+    ``sticks`` (m, 2, 3) are the bonds of the first candidate's atoms, Å.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -28,6 +31,8 @@ def plot_fold(fold: LoopFold, path: Path, title: str = "") -> None:
     view = _view(fold)
     for name, azimuth in (("front", -90), ("side", 0)):
         _draw_lines(axes[name], fold, view)
+        if sticks is not None:
+            _draw_sticks(axes[name], sticks, view)
         axes[name].set_proj_type("ortho")
         axes[name].view_init(elev=6, azim=azimuth)
         # the axis one looks along has no room for its numbers
@@ -85,6 +90,18 @@ def _draw_lines(axes: Any, fold: LoopFold, view: tuple[Array, Array]) -> None:
     axes.set_aspect("equal")
     axes.tick_params(labelsize=6)
     axes.set_zlabel("Å", fontsize=7)
+
+
+def _draw_sticks(axes: Any, sticks: Array, view: tuple[Array, Array]) -> None:
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+    middle, directions = view
+    bonds = Line3DCollection((sticks - middle) @ directions, colors="0.55", linewidths=0.9)
+    bonds.set_label("atoms of 1")
+    # the limits are those of atoms and lines together
+    axes.add_collection3d(bonds, autolim=True)
+    axes.auto_scale_xyz(*((sticks - middle) @ directions).reshape(-1, 3).T, had_data=True)
+    axes.set_aspect("equal")
 
 
 def _draw_curvature(axes: Any, fold: LoopFold) -> None:

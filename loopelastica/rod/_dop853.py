@@ -73,11 +73,13 @@ B_10 = 0.20136540080403034
 B_11 = 0.04471061572777259
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy")
 def stage(y, z, k, i, h, size):
     """State of stage ``i`` from the slopes before it, z = y + h Σ Ai_j k_j; of the end for 12.
 
     Written out, since a loop over j with its zeros takes four times as long. ``z`` may be ``y``.
+    Strict arithmetic: contracted to fused operations, the last bit would depend on where the
+    compiler inlines this, and so on the process.
     """
     if i == 1:
         for c in range(size):

@@ -48,7 +48,7 @@ def step_count(f, density):
     return 2 + int(density * min(moment_bound(f), 1e6))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, nogil=True, error_model="numpy")
 def slope(f, y, k, o, size):
     """Slopes of the rod and, if ``size`` is 43, of its variations, into ``k[o:]``."""
     fx, fy, fz = f[0], f[1], f[2]

@@ -204,7 +204,8 @@ def _stored(clamping: Clamping, torsion_ratio: float, count: int) -> Array:
     from loopelastica.rod.library import library
 
     stored = library(torsion_ratio, clamping.free_spin)
-    return stored.nearest(clamping.position[None], clamping.rotation[None], count)[0]
+    loads: Array = stored.nearest(clamping.position[None], clamping.rotation[None], count)[0]
+    return loads
 
 
 def _nearly_in_line(clamping: Clamping) -> bool:

@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+
+import loopelastica as le
+from loopelastica.atoms.carry import Line, own_phase
+from loopelastica.atoms.fibre import fibre_nucleotide
+from loopelastica.atoms.turn import place
+from loopelastica.molecule.clamp_rule import StemClamp
+from loopelastica.molecule.stem_ends import StemEnds
+from loopelastica.molecule.strands import ideal_strand, line_frame, line_length_A
+
+
+def continuation(strand, n):
+    """The line that goes on as the helix of the stem for n nucleotides, and where it starts."""
+    start, end = line_frame(strand, 0.5), line_frame(strand, n + 0.5)
+    length_A = n * line_length_A(strand)
+    clamp, none = StemClamp(0, 0, 0.0, line_length_A(strand)), np.zeros((0, 3))
+    ends = StemEnds(*start, *end, length_A, clamp, none, none, np.zeros(2), None)
+    rod = le.solve(le.Clamping.from_frames(*start, *end, length_A, free_spin=True))
+    return Line.between(rod, ends, strand), start
+
+
+def screw(strand, position, k):
+    angle = np.deg2rad(k * strand.turn_deg)
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return turn @ position + [0.0, 0.0, k * strand.rise_A]
+
+
+@pytest.mark.parametrize("is_dna", [False, True])
+@pytest.mark.parametrize("n", [2, 4])
+def test_a_straight_continuation_of_the_stem_reproduces_the_fibre_coordinates(is_dna, n):
+    strand = ideal_strand(is_dna)
+    line, (origin, frame) = continuation(strand, n)
+    for k in range(1, n + 1):
+        carried = place("G", is_dna, line, k, 0.0, 0.0)
+        for name, position in carried.items():
+            expected = screw(strand, fibre_nucleotide("G", is_dna)[name], k)
+            np.testing.assert_allclose(origin + frame @ position, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("is_dna", [False, True])
+def test_atoms_carried_at_their_own_phase_are_fibre_coordinates_too(is_dna):
+    strand = ideal_strand(is_dna)
+    line, (origin, frame) = continuation(strand, 3)
+    for name in ("P", "OP1", "OP2", "O3'"):
+        fibre = fibre_nucleotide("A", is_dna)[name]
+        phase, (x, y) = own_phase(strand, fibre)
+        # phases before ½ and after n + ½ lie on the stem's helix beyond the rod
+        for k in (1, 2, 3):
+            point, axes = line.at([k + phase])
+            position = point[0] + axes[0][:, 0] * x + axes[0][:, 1] * y
+            np.testing.assert_allclose(
+                origin + frame @ position, screw(strand, fibre, k), atol=1e-9
+            )
+
+
+def test_the_directors_meet_the_stem_at_both_ends(fold):
+    candidate, ends = fold.candidates[0], fold.ends
+    line = Line.between(candidate.rod, ends, ideal_strand(False))
+    points, frames = line.at([0.5, 4.5])
+    np.testing.assert_allclose(frames[0], np.eye(3), atol=1e-9)
+    np.testing.assert_allclose(frames[1], ends.start_frame.T @ ends.end_frame, atol=1e-8)
+    np.testing.assert_allclose(
+        ends.start_origin_A + ends.start_frame @ points[1], ends.end_origin_A, atol=1e-8
+    )
+    # no more than half a turn from the twist of the helix
+    wanted = 4 * np.deg2rad(15.7)
+    assert abs(line.spin - wanted) <= np.pi + 1e-3

@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+
+from loopelastica.atoms.checks import angles_deg, check, pseudorotation, pucker_name
+from loopelastica.atoms.fibre import fibre_nucleotide
+from loopelastica.atoms.site import site_of
+
+RING = ("C1'", "C2'", "C3'", "C4'", "O4'")
+
+
+@pytest.mark.parametrize(("is_dna", "name"), [(False, "C3'-endo"), (True, "C3'-exo")])
+def test_the_fibre_sugars_have_their_known_puckers(is_dna, name):
+    # A-RNA is C3'-endo; the B-DNA of 1972 lies at 192°, just beyond C2'-endo
+    atoms = fibre_nucleotide("A", is_dna)
+    phase, amplitude = pseudorotation(*(atoms[a] for a in RING))
+    assert pucker_name(phase) == name
+    assert 34.0 < amplitude < 40.0
+
+
+def test_pseudorotation_of_a_mirror_image_is_half_a_turn_away():
+    ring = [fibre_nucleotide("A", False)[a] for a in RING]
+    phase, amplitude = pseudorotation(*ring)
+    mirrored, same = pseudorotation(*(point * [1, 1, -1] for point in ring))
+    assert (mirrored - phase) % 360.0 == pytest.approx(180.0)
+    assert same == pytest.approx(amplitude)
+
+
+def test_a_right_angle_and_a_straight_one():
+    points = np.array([[1.0, 0, 0], [0, 0, 0], [0, 2.0, 0], [-3.0, 0, 0]])
+    found = angles_deg(points, np.array([[0, 1, 2], [0, 1, 3]]))
+    np.testing.assert_allclose(found, [90.0, 180.0])
+
+
+def test_what_is_broken_is_found(koc, fold, models):
+    model = models[0]
+    site = site_of(koc, fold, koc.positions(0))
+    good = model.relaxed.positions_A
+    line = np.zeros((4, 3))
+
+    def checked(positions):
+        return check(model.molecule, site.geometry, positions, site.around, line, good)
+
+    assert checked(good).sound
+    far = good.copy()
+    far[model.molecule.index(1, "P")] += 0.3
+    assert checked(far).chain_worst_A > 0.05
+    assert not checked(far).sound
+    mirrored = good * [1.0, 1.0, -1.0]
+    assert "1:C1'" in checked(mirrored).wrong_chirality
+    close = good.copy()
+    shift = site.around[0] - good[model.molecule.index(2, "O2")]
+    close[model.molecule.index(2, "O2")] += shift * (1 - 1.0 / np.linalg.norm(shift))
+    assert checked(close).closest_A < 1.1
+    assert not checked(close).sound

@@ -1,0 +1,103 @@
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import loopelastica as le
+from loopelastica.atoms.checks import bond_lengths
+from loopelastica.atoms.model import build_atoms
+from loopelastica.errors import StructureError
+from loopelastica.folding import fold_positions
+from loopelastica.molecule.nucleotides import read_structure
+
+
+def again(koc, fold, positions, **options):
+    moved = fold_positions(koc.nucleotides, fold.hairpin, positions, **fold.parameters)
+    return build_atoms(koc, moved, positions=positions, max_candidates=1, **options)[0]
+
+
+def test_the_first_model_of_2koc_meets_the_figures(models, fold):
+    checks = models[0].checks
+    assert checks.sound
+    assert checks.wrong_chirality == ()
+    assert checks.chain_worst_A <= 0.05
+    assert checks.bonds_within >= 0.99
+    assert checks.angles_within >= 0.95
+    assert checks.closest_A >= 2.2
+    assert checks.line_after_A <= 0.5
+    assert models[0].rmsd_A <= fold.candidates[0].rmsd_A + 0.6
+    assert set(checks.pucker) <= {"C3'-endo", "C2'-endo"}
+    assert models[0].relaxed.message == "converged"
+    assert len(models[0].alternatives) == 2
+
+
+def test_the_checks_are_what_the_positions_say(models):
+    model = models[0]
+    o3, p = model.molecule.index(-1, "O3'"), model.molecule.index(0, "P")
+    length = bond_lengths(model.positions_A, np.array([[o3, p]]))[0]
+    assert model.checks.junction_5_A == pytest.approx(length)
+    assert 1.55 < length < 1.66
+
+
+def test_stem_atoms_are_the_files_own(koc, models):
+    model = models[0]
+    row = model.molecule.index(4, "P")
+    atom = koc.nucleotides.columns(["P"])[9, 0]
+    np.testing.assert_array_equal(model.positions_A[row], koc.positions(0)[atom])
+
+
+def test_rigid_motion_of_the_input_moves_the_atoms_by_the_same_motion(koc, fold, models, rng):
+    positions = koc.positions(0)
+    turn = Rotation.random(random_state=rng).as_matrix()
+    shift = rng.uniform(-100, 100, 3)
+    moved = again(koc, fold, positions @ turn.T + shift)
+    np.testing.assert_allclose(models[0].positions_A @ turn.T + shift, moved.positions_A, atol=1e-4)
+
+
+def test_scrambling_the_loop_changes_no_atom(koc, fold, models, rng):
+    positions = np.array(koc.positions(0))
+    c1 = koc.nucleotides.columns(["C1'"])[fold.hairpin.loop, 0]
+    resindices = koc.universe.atoms.resindices
+    loop = np.isin(resindices, resindices[c1])
+    positions[loop] += rng.normal(scale=4.0, size=(int(loop.sum()), 3))
+    scrambled = again(koc, fold, positions)
+    np.testing.assert_array_equal(scrambled.positions_A, models[0].positions_A)
+    assert scrambled.rmsd_A > models[0].rmsd_A + 1.0
+
+
+def test_limits_and_impossible_input_are_told(koc, fold):
+    (model,) = build_atoms(koc, fold, max_candidates=1, tries=1, max_steps=3)
+    assert "limit of steps" in model.relaxed.message
+    with pytest.raises(ValueError, match="`tries` is 0"):
+        build_atoms(koc, fold, tries=0)
+    (short,) = le.fold(koc, length_per_nucleotide_A=2.0, all_models=False)
+    with pytest.raises(StructureError, match="no rod fits"):
+        build_atoms(koc, short)
+
+
+def test_a_stem_without_the_atoms_of_a_junction_is_refused(tmp_path):
+    from loopelastica._data import data_path
+
+    lines = data_path("hairpins/2koc.pdb").read_text().split("ENDMDL")[0].splitlines()
+    path = tmp_path / "no_p.pdb"
+    kept = [x for x in lines if not (x[12:16].strip() == "OP1" and x[22:26].strip() == "10")]
+    path.write_text("\n".join([*kept, "ENDMDL", "END", ""]))
+    structure = read_structure(path)
+    (loop,) = le.fold(structure)
+    with pytest.raises(StructureError, match=r"A\.G10: no OP1 atom; the loop cannot be joined"):
+        build_atoms(structure, loop)
+
+
+# first candidates of a DNA triloop, a DNA tetraloop, a GNRA loop, a longer RNA loop
+SAMPLE = ("1xue", "1ac7", "1jur", "1szy")
+
+
+@pytest.mark.parametrize("entry", SAMPLE)
+def test_reference_hairpins_meet_the_figures(hairpin_folder, entry):
+    structure = read_structure(hairpin_folder / f"{entry}.pdb.gz")
+    (loop,) = le.fold(structure, all_models=False)
+    (model,) = build_atoms(structure, loop, max_candidates=1)
+    checks = model.checks
+    assert checks.sound
+    assert checks.bonds_within >= 0.99
+    assert checks.angles_within >= 0.95
+    assert model.rmsd_A <= loop.candidates[0].rmsd_A + 0.8

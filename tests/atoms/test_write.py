@@ -1,0 +1,117 @@
+import json
+import warnings
+
+import numpy as np
+import pytest
+from rdkit import Chem
+
+from loopelastica._data import data_path
+from loopelastica.atoms.write import write_atoms
+
+
+@pytest.fixture(scope="module")
+def folder(atoms, tmp_path_factory):
+    out = tmp_path_factory.mktemp("atoms")
+    write_atoms(out, atoms)
+    return out
+
+
+def records(path, model=1):
+    text = path.read_text().split("ENDMDL")[model - 1]
+    return [line for line in text.splitlines() if line.startswith(("ATOM", "HETATM"))]
+
+
+def test_stem_atoms_keep_number_name_and_every_digit_of_their_place(folder):
+    source = records(data_path("hairpins/2koc.pdb"))
+    written = records(folder / "atoms.pdb")
+    loop = {"6", "7", "8", "9"}
+
+    def identity(line):
+        # MDAnalysis puts short residue names at the left of their three columns
+        return line[12:17], line[17:20].strip(), line[21:27], line[27:54]
+
+    stem = [identity(line) for line in source if line[22:26].strip() not in loop]
+    assert [identity(line) for line in written if line[22:26].strip() not in loop] == stem
+    assert len(written) > len(stem)
+
+
+def test_mdanalysis_reads_the_models_with_sequence_and_bonds(folder, atoms):
+    import MDAnalysis as mda
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        universe = mda.Universe(folder / "atoms.pdb")
+    assert "".join(universe.residues.resnames) == "GGCACUUCGGUGCC"
+    assert universe.residues.resids.tolist() == list(range(1, 15))
+    assert len(universe.trajectory) == len(atoms.written)
+    loop = universe.select_atoms("resid 6:9")
+    model = atoms.written[0]
+    np.testing.assert_allclose(
+        loop.positions, model.positions_A[model.molecule.loop_atoms], atol=6e-4
+    )
+    mine = set(loop.indices)
+    found = {tuple(b.indices) for b in universe.bonds if mine & set(b.indices)}
+    inside = set(model.molecule.loop_atoms)
+    assert len(found) == sum(bool(inside & set(bond)) for bond in model.molecule.bonds)
+    lengths = [b.length() for b in universe.bonds if mine & set(b.indices)]
+    assert min(lengths) > 1.15
+    assert max(lengths) < 1.7
+
+
+def test_gemmi_reads_pdb_and_mmcif_alike(folder):
+    gemmi = pytest.importorskip("gemmi")
+    pdb, cif = (gemmi.read_structure(str(folder / f"atoms.{kind}")) for kind in ("pdb", "cif"))
+    assert len(pdb) == len(cif)
+    sequence = gemmi.one_letter_code([r.name for r in cif[0][0]])
+    assert sequence.upper() == "GGCACUUCGGUGCC"
+    for one, other in zip(pdb[0].all(), cif[0].all(), strict=True):
+        assert (one.residue.seqid, one.atom.name) == (other.residue.seqid, other.atom.name)
+        assert one.atom.pos.dist(other.atom.pos) < 1e-6
+
+
+def test_rdkit_reads_the_loop_with_bonds_charges_and_hands(folder, atoms):
+    found = list(Chem.SDMolSupplier(str(folder / "loop.sdf")))
+    assert len(found) == len(atoms.written)
+    for mol, model in zip(found, atoms.written, strict=True):
+        assert mol.GetProp("sequence") == "UUCG"
+        want = Chem.Mol(model.molecule.mol)
+        # the phosphorus has four different neighbours only because names are given to its oxygens
+        assert mol.GetNumBonds() == want.GetNumBonds()
+        assert Chem.GetFormalCharge(mol) == Chem.GetFormalCharge(want)
+        assert mol.HasSubstructMatch(want, useChirality=True)
+
+
+def test_rdkit_reads_the_structure_too(folder):
+    mol = Chem.MolFromPDBFile(str(folder / "atoms.pdb"), sanitize=False, proximityBonding=True)
+    names = {(a.GetPDBResidueInfo().GetResidueNumber(), a.GetPDBResidueInfo().GetName().strip())
+             for a in mol.GetAtoms()}  # fmt: skip
+    assert {(6, "P"), (9, "O3'"), (9, "N9")} <= names
+    bonds = {
+        tuple(
+            (end.GetPDBResidueInfo().GetResidueNumber(), end.GetPDBResidueInfo().GetName().strip())
+            for end in (bond.GetBeginAtom(), bond.GetEndAtom())
+        )
+        for bond in mol.GetBonds()
+    }
+    for k in range(5, 10):
+        assert ((k, "O3'"), (k + 1, "P")) in bonds or ((k + 1, "P"), (k, "O3'")) in bonds
+
+
+def test_the_report_is_json_with_every_check(folder, atoms):
+    content = json.loads((folder / "atoms.json").read_text())
+    assert content["models"] == [m.rank for m in atoms.written]
+    assert content["nucleotides"][0] == {"file": "A.U6", "built": "U"}
+    first = content["candidates"][0]
+    assert first["status"] == "converged"
+    assert first["checks"]["sound"] is True
+    assert len(first["checks"]["pucker"]) == 4
+    assert len(first["alternatives"]) == 2
+    assert first["rmsd_A"] == pytest.approx(atoms.models[0].rmsd_A)
+
+
+def test_two_runs_write_the_same_bytes(folder, atoms, tmp_path):
+    write_atoms(tmp_path, atoms)
+    names = sorted(path.name for path in folder.iterdir())
+    assert names == sorted(path.name for path in tmp_path.iterdir())
+    for name in names:
+        assert (folder / name).read_bytes() == (tmp_path / name).read_bytes()
