@@ -39,7 +39,7 @@ def to_dataframe(folds: Iterable[LoopFold]) -> DataFrame:
     >>> from loopelastica._data import data_path
     >>> table = to_dataframe(le.fold(data_path("hairpins/2koc.pdb"), all_models=False))
     >>> print(table.loc[0, "sequence"], round(table.loc[0, "rmsd_A"], 2))
-    CUUCGG 1.44
+    CUUCGG 2.12
     """
     module = pandas()
     rows = []
