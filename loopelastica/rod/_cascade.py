@@ -540,7 +540,9 @@ def run_batch(
     """Many poses: Newton's method from ``guesses`` (n, g, 6), then `run_starts`."""
     tail, node_s, node_pose = np.zeros(SIZE), np.empty(NODES), np.empty((NODES, 7))
     for i in range(positions.shape[0]):
-        for j in range(guesses.shape[1]):
+        # no stored rod is that nearly straight
+        near = guesses.shape[1] if _gap(positions[i]) > _STRAIGHTISH else 0
+        for j in range(near):
             loads[i] = guesses[i, j]
             status, residual, _, end = newton(
                 loads[i], positions[i], quaternions[i], torsion_ratio, free_spin, tolerance, _HASTE
