@@ -403,7 +403,8 @@ def run_start(
     A negative kick leaves out the relaxation; −k with k > 1 adds k half waves.
     """
     gap, ratio = _gap(position), min(torsion_ratio, _MAX_RATIO)
-    n = SEGMENTS // 2 if gap > _SLACK else SEGMENTS
+    # all segments: half of them lose minima that are about to vanish in a fold
+    n = SEGMENTS
     s, frames, load, start_tail = np.empty(n + 1), np.empty((n + 2, 4)), np.empty(6), np.zeros(SIZE)
     kind, _ = _begin(
         position, quaternion, gap, torsion_ratio, ratio, free_spin, start, n, s, frames, load,
