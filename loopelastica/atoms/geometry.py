@@ -243,6 +243,7 @@ class _Mmff:
     def _properties(self) -> Any:
         from rdkit import Chem
         from rdkit.Chem import rdForceFieldHelpers
+        from rdkit.ForceField import rdForceField  # noqa: F401 (makes its classes known)
 
         if self._typed is None:
             self._with_h = Chem.AddHs(self._mol)
