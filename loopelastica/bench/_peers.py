@@ -72,7 +72,7 @@ def random_guesses(rng: np.random.Generator, n: int) -> Array:
 def _quaternion(rotation: Array) -> Array:
     from scipy.spatial.transform import Rotation
 
-    return np.asarray(Rotation.from_matrix(rotation).as_quat(scalar_first=True))
+    return np.asarray(Rotation.from_matrix(rotation.copy()).as_quat(scalar_first=True))
 
 
 def _turned_away(q: Array, target: Array) -> Array:
@@ -101,7 +101,8 @@ def _hermite(clamping: Clamping, s: Array) -> tuple[Array, Array]:
         angle = np.arctan2(size, here @ there)
         frames.append(Rotation.from_rotvec(axis * angle / max(size, 1e-12)) * frames[-1])
     # what twist is missing at the end is spread evenly
-    left = (frames[-1].inv() * Rotation.from_matrix(clamping.rotation)).as_matrix()
+    # a copy: older SciPy takes no read-only arrays
+    left = (frames[-1].inv() * Rotation.from_matrix(clamping.rotation.copy())).as_matrix()
     twist = np.arctan2(left[1, 0], left[0, 0])
     turned = Rotation.concatenate(frames) * Rotation.from_rotvec(np.outer(s * twist, [0, 0, 1]))
     q = turned.as_quat(scalar_first=True)
