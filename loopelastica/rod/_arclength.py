@@ -18,9 +18,9 @@ import math
 import numpy as np
 from numba import njit
 
-from loopelastica.rod._rotations import larger, rotation_vector, tangent
-from loopelastica.rod._segments import _MAX_SEGMENT_STEPS, _apply, _integrate, _rows, gaps
-from loopelastica.rod._shooting import POSE, WITH_JACOBIAN
+from loopelastica.rod._rotations import tangent
+from loopelastica.rod._segments import apply, backward, forward, gaps
+from loopelastica.rod._shooting import WITH_JACOBIAN
 
 # a predictor that moves a node further (in L or radian) is not worth correcting
 _FURTHEST = 1.2
@@ -42,85 +42,6 @@ def moving_clamp(origin, quaternion, shift, axis, t, q, p):
     q[1] = w * x + u * cw + v * z - n * y
     q[2] = w * y - u * z + v * cw + n * x
     q[3] = w * z + u * y - v * x + n * cw
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _forward(g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k, z, t, b):
-    """Eliminate the inner nodes; rows in (x_m, g) remain in ``work[:6]``. Returns the mismatch."""
-    worst = 0.0
-    rest = np.empty(6)
-    for i in range(node_s.shape[0] - 1):
-        h = node_s[i + 1] - node_s[i]
-        steps = _integrate(g, free_spin, node_pose[i], h, density, WITH_JACOBIAN, f, y, k, z)
-        if steps > _MAX_SEGMENT_STEPS:
-            return math.inf
-        rest[0], rest[1], rest[2] = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
-        for c in range(3):
-            rest[3 + c] = node_pose[i, c] + y[c] - node_pose[i + 1, c]
-        _rows(y, f, node_pose[i], t, b)
-        # columns: x_k (6), x_k+1 (6), g (6), right-hand side; rows 0–5 carried, 6–11 new
-        for r in range(6):
-            worst = larger(worst, abs(rest[r]))
-            if free_spin:
-                b[r, 5] = 0.0
-            for c in range(6):
-                work[6 + r, c] = t[r, c]
-                work[6 + r, 6 + c] = -1.0 if r == c else 0.0
-                work[6 + r, 12 + c] = b[r, c] * scale[c]
-            work[6 + r, 18] = -rest[r]
-        if i > 0:
-            if not _pivot(work):
-                return math.inf
-            for p in range(6):
-                for c in range(19):
-                    kept[i, p, c] = work[p, c]
-        # what remains are rows in (x_k+1, g): carry them
-        for r in range(6):
-            for c in range(6):
-                work[r, c] = work[6 + r, 6 + c]
-                work[r, 6 + c] = 0.0
-                work[r, 12 + c] = work[6 + r, 12 + c]
-            work[r, 18] = work[6 + r, 18]
-    return worst if worst == worst else math.inf
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _pivot(work):
-    """Eliminate the first six columns of ``work`` (12, 19) by partial pivoting; False if none."""
-    for p in range(6):
-        best = p
-        for r in range(p + 1, 12):
-            if abs(work[r, p]) > abs(work[best, p]):
-                best = r
-        if best != p:
-            for c in range(p, 19):
-                work[p, c], work[best, c] = work[best, c], work[p, c]
-        pivot = work[p, p]
-        if not abs(pivot) > 1e-300:
-            return False
-        for r in range(p + 1, 12):
-            factor = work[r, p] / pivot
-            if factor != 0.0:
-                for c in range(p + 1, 19):
-                    work[r, c] -= factor * work[p, c]
-    return True
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _backward(kept, last, du, x):
-    """Node moves ``x`` (m + 1, 6) from the scaled load step ``du`` and the last node's ``last``."""
-    m = x.shape[0] - 1
-    for c in range(6):
-        x[0, c] = 0.0
-        x[m, c] = last[c]
-    for i in range(m - 1, 0, -1):
-        for p in range(5, -1, -1):
-            value = kept[i, p, 18]
-            for c in range(p + 1, 6):
-                value -= kept[i, p, c] * x[i, c]
-            for c in range(6):
-                value -= kept[i, p, 6 + c] * x[i + 1, c] + kept[i, p, 12 + c] * du[c]
-            x[i, p] = value / kept[i, p, p]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -255,7 +176,7 @@ def corrected_step(
     rate = 1.0 if free_spin else -(1.0 / torsion_ratio - 1.0)
     remainder, density, done = ds, _COARSE, False
     for iteration in range(most):
-        worst = _forward(
+        worst = forward(
             g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k, z, t, b
         )
         if not worst < 10.0:
@@ -266,7 +187,7 @@ def corrected_step(
         remainder = 0.0
         for c in range(6):
             last[c] = w[0, c] * du[5] + w[1, c] * du[6]
-        _backward(kept, last, du, x)
+        backward(kept, last, du, x)
         size = 0.0
         for i in range(m + 1):
             for c in range(6):
@@ -277,7 +198,7 @@ def corrected_step(
             du[c] *= scale[c]
         g[6] += du[6]
         moving_clamp(origin, quaternion, shift, axis, g[6], clamp, p)
-        _apply(x, du, 1.0, g, node_pose, clamp, torsion_ratio, free_spin)
+        apply(x, du, 1.0, g, node_pose, clamp, torsion_ratio, free_spin)
         for c in range(3):
             node_pose[m, c] = p[c]
         # quadratic: what is left after this step is below rounding

@@ -191,6 +191,25 @@ def _from_tails(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _settle_tails(
+    tail, position, quaternion, torsion_ratio, free_spin, tolerance, loads, node_s, node_pose
+):  # fmt: skip
+    """The tails themselves, or polished where they feel each other: (residual, energy, segments).
+
+    Residual inf if neither is a solution.
+    """
+    residual, energy = _accept_tails(tail, quaternion, torsion_ratio, free_spin, tolerance, loads)
+    if residual < tolerance:
+        return residual, energy, 0
+    if math.cos(tail[5]) * tail[4] > _TENSE:
+        return _from_tails(
+            tail, position, quaternion, torsion_ratio, free_spin, tolerance,
+            loads, node_s, node_pose,
+        )  # fmt: skip
+    return math.inf, math.inf, 0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _tails_from_loads(loads, position, quaternion, gap, torsion_ratio, free_spin, tail):
     """Tails that carry the loads found by the discrete rod; True if their equations are solved."""
     f = math.sqrt(loads[0] ** 2 + loads[1] ** 2 + loads[2] ** 2)
@@ -261,18 +280,12 @@ def _finish(
     if size > _STIFF and _tails_from_loads(
         load, position, quaternion, gap, torsion_ratio, free_spin, tail
     ):
-        residual, energy = _accept_tails(
-            tail, quaternion, torsion_ratio, free_spin, tolerance, loads
-        )
+        residual, energy, m = _settle_tails(
+            tail, position, quaternion, torsion_ratio, free_spin, tolerance,
+            loads, node_s, node_pose,
+        )  # fmt: skip
         if residual < tolerance:
-            return RELAXED_TAILS, residual, energy, 0
-        if math.cos(tail[5]) * tail[4] > _TENSE:
-            residual, energy, m = _from_tails(
-                tail, position, quaternion, torsion_ratio, free_spin, tolerance,
-                loads, node_s, node_pose,
-            )  # fmt: skip
-            if residual < tolerance:
-                return RELAXED_TAILS, residual, energy, m
+            return RELAXED_TAILS, residual, energy, m
     target = frames[n + 1].copy() if free_spin else quaternion
     # with M3 = 0 the ratio is void
     ratio = 1.0 if free_spin else torsion_ratio
@@ -368,18 +381,12 @@ def _end(
     """The other half, to a solution (method, residual, energy, segments), see `run_starts`."""
     if kind == TAILS:
         tail[:] = start_tail
-        residual, energy = _accept_tails(
-            tail, quaternion, torsion_ratio, free_spin, tolerance, loads
-        )
+        residual, energy, m = _settle_tails(
+            tail, position, quaternion, torsion_ratio, free_spin, tolerance,
+            loads, node_s, node_pose,
+        )  # fmt: skip
         if residual < tolerance:
-            return TAILS, residual, energy, 0
-        if math.cos(tail[5]) * tail[4] > _TENSE:
-            residual, energy, m = _from_tails(
-                tail, position, quaternion, torsion_ratio, free_spin, tolerance,
-                loads, node_s, node_pose,
-            )  # fmt: skip
-            if residual < tolerance:
-                return TAILS_POLISHED, residual, energy, m
+            return (TAILS if m == 0 else TAILS_POLISHED), residual, energy, m
         if (
             not _relax_start(
                 position, quaternion, gap, relaxed_ratio, free_spin, start, n, s, frames, load

@@ -140,54 +140,32 @@ def _rows(y, f, node, t, b):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _linear(
-    g, quaternion, torsion_ratio, free_spin, node_s, node_pose, density, scale,
-    drop, work, kept, f, y, k, z, x, dg,
-):  # fmt: skip
-    """Newton step: nodes ``x`` (m + 1, 6), loads ``dg`` (6,). Returns the mismatch before it."""
-    m = node_s.shape[0] - 1
-    t, b, rest = np.empty((6, 6)), np.empty((6, 6)), np.empty(6)
+def forward(g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k, z, t, b):
+    """Eliminate the inner nodes; rows in (x_m, g) remain in ``work[:6]``. Returns the mismatch."""
     worst = 0.0
-    for i in range(m):
+    rest = np.empty(6)
+    for i in range(node_s.shape[0] - 1):
         h = node_s[i + 1] - node_s[i]
         steps = _integrate(g, free_spin, node_pose[i], h, density, WITH_JACOBIAN, f, y, k, z)
         if steps > _MAX_SEGMENT_STEPS:
             return math.inf
-        a0, a1, a2 = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
-        rest[0], rest[1], rest[2] = a0, a1, a2
+        rest[0], rest[1], rest[2] = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
         for c in range(3):
             rest[3 + c] = node_pose[i, c] + y[c] - node_pose[i + 1, c]
-        for c in range(6):
-            worst = larger(worst, abs(rest[c]))
         _rows(y, f, node_pose[i], t, b)
-        if free_spin:
-            for c in range(6):
-                b[c, 5] = 0.0
         # columns: x_k (6), x_k+1 (6), g (6), right-hand side; rows 0–5 carried, 6–11 new
-        first = 6 if i == 0 else 0
         for r in range(6):
+            worst = larger(worst, abs(rest[r]))
+            if free_spin:
+                b[r, 5] = 0.0
             for c in range(6):
                 work[6 + r, c] = t[r, c]
                 work[6 + r, 6 + c] = -1.0 if r == c else 0.0
                 work[6 + r, 12 + c] = b[r, c] * scale[c]
             work[6 + r, 18] = -rest[r]
         if i > 0:
-            for p in range(6):
-                best = p
-                for r in range(p + 1, 12):
-                    if abs(work[r, p]) > abs(work[best, p]):
-                        best = r
-                if best != p:
-                    for c in range(p, 19):
-                        work[p, c], work[best, c] = work[best, c], work[p, c]
-                pivot = work[p, p]
-                if not abs(pivot) > 1e-300:
-                    return math.inf
-                for r in range(p + 1, 12):
-                    factor = work[r, p] / pivot
-                    if factor != 0.0:
-                        for c in range(p + 1, 19):
-                            work[r, c] -= factor * work[p, c]
+            if not _pivot(work):
+                return math.inf
             for p in range(6):
                 for c in range(19):
                     kept[i, p, c] = work[p, c]
@@ -198,12 +176,63 @@ def _linear(
                 work[r, 6 + c] = 0.0
                 work[r, 12 + c] = work[6 + r, 12 + c]
             work[r, 18] = work[6 + r, 18]
-        if first == 6:
-            continue
+    return worst if worst == worst else math.inf
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _pivot(work):
+    """Eliminate the first six columns of ``work`` (12, 19) by partial pivoting; False if none."""
+    for p in range(6):
+        best = p
+        for r in range(p + 1, 12):
+            if abs(work[r, p]) > abs(work[best, p]):
+                best = r
+        if best != p:
+            for c in range(p, 19):
+                work[p, c], work[best, c] = work[best, c], work[p, c]
+        pivot = work[p, p]
+        if not abs(pivot) > 1e-300:
+            return False
+        for r in range(p + 1, 12):
+            factor = work[r, p] / pivot
+            if factor != 0.0:
+                for c in range(p + 1, 19):
+                    work[r, c] -= factor * work[p, c]
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def backward(kept, last, du, x):
+    """Node moves ``x`` (m + 1, 6) from the scaled load step ``du`` and the last node's ``last``."""
+    m = x.shape[0] - 1
+    for c in range(6):
+        x[0, c] = 0.0
+        x[m, c] = last[c]
+    for i in range(m - 1, 0, -1):
+        for p in range(5, -1, -1):
+            value = kept[i, p, 18]
+            for c in range(p + 1, 6):
+                value -= kept[i, p, c] * x[i, c]
+            for c in range(6):
+                value -= kept[i, p, 6 + c] * x[i + 1, c] + kept[i, p, 12 + c] * du[c]
+            x[i, p] = value / kept[i, p, p]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _linear(
+    g, quaternion, torsion_ratio, free_spin, node_s, node_pose, density, scale,
+    drop, work, kept, f, y, k, z, x, dg,
+):  # fmt: skip
+    """Newton step: nodes ``x`` (m + 1, 6), loads ``dg`` (6,). Returns the mismatch before it."""
+    m = node_s.shape[0] - 1
+    t, b = np.empty((6, 6)), np.empty((6, 6))
+    worst = forward(g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k, z, t, b)
+    if worst == math.inf:
+        return math.inf
     # the last node is the clamp: it turns about its tangent with g[5] alone
     tx, ty, tz = tangent(node_pose[m, 3:])
     rate = 1.0 if free_spin else -(1.0 / torsion_ratio - 1.0)
-    last, right = np.empty((6, 6)), np.empty(6)
+    last, right, end = np.empty((6, 6)), np.empty(6), np.zeros(6)
     for r in range(6):
         for c in range(6):
             last[r, c] = work[r, 12 + c]
@@ -219,26 +248,16 @@ def _linear(
         right[r] /= size
     ones = np.ones(6)
     pivoted_step(last, right, ones, t, dg, drop)
-    for c in range(6):
-        x[0, c] = 0.0
-        x[m, c] = 0.0
     turn = rate * scale[5] * dg[5]
-    x[m, 0], x[m, 1], x[m, 2] = turn * tx, turn * ty, turn * tz
-    for i in range(m - 1, 0, -1):
-        for p in range(5, -1, -1):
-            value = kept[i, p, 18]
-            for c in range(p + 1, 6):
-                value -= kept[i, p, c] * x[i, c]
-            for c in range(6):
-                value -= kept[i, p, 6 + c] * x[i + 1, c] + kept[i, p, 12 + c] * dg[c]
-            x[i, p] = value / kept[i, p, p]
+    end[0], end[1], end[2] = turn * tx, turn * ty, turn * tz
+    backward(kept, end, dg, x)
     for c in range(6):
         dg[c] *= scale[c]
-    return worst if worst == worst else math.inf
+    return worst
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _apply(x, dg, t, g, node_pose, quaternion, torsion_ratio, free_spin):
+def apply(x, dg, t, g, node_pose, quaternion, torsion_ratio, free_spin):
     """Move nodes and loads by the fraction ``t`` of the step."""
     m = node_pose.shape[0] - 1
     for c in range(6):
@@ -311,7 +330,7 @@ def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, ite
         fine = density > 2.0
         if fine and (worst < 1e-13 or (worst < 1e-10 and worst > 0.1 * previous)):
             break
-        _apply(
+        apply(
             x, dg, min(1.0, _CAP / max(size, 1e-300)), g, node_pose,
             quaternion, torsion_ratio, free_spin,
         )  # fmt: skip
