@@ -306,7 +306,7 @@ def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True)
             lengths.append(_length_row(shortest, _PER_LENGTH[full], seed))
             bar.update()
         bar.set_description("equilibria")
-        equilibria(clampings[0])  # compiled, and its library loaded, before the clock starts
+        equilibria(clampings[0])  # compiled, and its stored rods loaded, before the clock starts
         for clamping in clampings:
             found.append(_equilibria_row(clamping))
             bar.update()

@@ -157,7 +157,7 @@ def _measure(case: Case, full: bool, seed: int) -> tuple[Row, list[Row], list[li
     def batch_of(rows: slice) -> Batch:
         return solve_batch(positions[rows], rotations[rows], case.torsion_ratio, lowest=case.lowest)
 
-    batch_of(slice(0, 2))  # compiled, and its library loaded, before the clock starts
+    batch_of(slice(0, 2))  # compiled, and its stored rods loaded, before the clock starts
     started = time.perf_counter()
     batch = batch_of(slice(None))
     mean = 1e3 * (time.perf_counter() - started) / len(batch)

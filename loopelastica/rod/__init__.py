@@ -23,7 +23,7 @@ quaternion    (w, x, y, z) of R
 The way from q to rods: `clamping` (q) → `solve`, `equilibria` → `equilibrium` (what a rod knows of
 itself) → `stability`. Beneath them, compiled:
 
-- `_shooting`, `_newton`: f to end pose with its Jacobian; one guess to a solution, from `library`;
+- `_shooting`, `_newton`: f to end pose with its Jacobian; one guess to a solution, from `stored`;
 - `_cascade`: one start to a solution, through `_tails` (high tension in closed form),
   `_relaxation` (the discrete rod of least energy) and `_segments` (multiple shooting);
 - `_conjugate`: the second variation.

@@ -1,7 +1,7 @@
 """All equilibria of a clamping that many starts can find.
 
 Two kinds of starts take turns. The structured ones of ``_cascade`` (whole turns, sides, kicks) end
-in minima; Newton's method from the nearest stored rods (``library``) finds saddles as well. What
+in minima; Newton's method from the nearest stored rods (``stored``) finds saddles as well. What
 they lead to is compared at nine points along the rod: two results are one equilibrium if positions
 and frames agree within `SAME`. Where both ends lie on one line the rod can be turned about it at
 no cost, and two results are one if they agree after such a turn.
@@ -201,9 +201,9 @@ def _stored(clamping: Clamping, torsion_ratio: float, count: int) -> Array:
     """Loads (count, 6) of the stored rods nearest to a clamping."""
     if count == 0:
         return np.empty((0, 6))
-    from loopelastica.rod.library import library
+    from loopelastica.rod.stored import stored_rods
 
-    stored = library(torsion_ratio, clamping.free_spin)
+    stored = stored_rods(torsion_ratio, clamping.free_spin)
     loads: Array = stored.nearest(clamping.position[None], clamping.rotation[None], count)[0]
     return loads
 

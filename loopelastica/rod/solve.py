@@ -3,8 +3,8 @@
 Starts are structured (``_cascade``): an axis of tension with a whole number of turns, each end tail
 on one side or the other. They go through closed-form tails, multiple shooting and the discrete rod.
 The lowest of their results was the lowest of all known ones wherever this was compared with random
-starts; it is not proven to be. Stored rods (``library``) are no help here: their Newton iterations
-fail so often on random poses that the first solution takes three times as long.
+starts; it is not proven to be. For many poses of which any equilibrium will do, Newton's method
+from the nearest stored rods (``stored``) comes first; a single pose does not load them.
 """
 
 from dataclasses import dataclass
@@ -339,9 +339,9 @@ def _solve_rows(
     n = len(rows)
     guesses = np.zeros((n, 0, 6))
     if not lowest:
-        from loopelastica.rod.library import library
+        from loopelastica.rod.stored import stored_rods
 
-        stored = library(torsion_ratio, free_spin)
+        stored = stored_rods(torsion_ratio, free_spin)
         guesses = stored.nearest(positions[rows], rotations[rows], _NEIGHBOURS)
     loads, energy, residual = np.zeros((n, 6)), np.full(n, np.inf), np.full(n, np.inf)
     method = np.zeros(n, dtype=np.int64)

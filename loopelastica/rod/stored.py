@@ -12,7 +12,7 @@ center line of given loads), so each ratio has its own tree, built when it is fi
 
 Half of the rods come from random moderate loads, half are the lowest equilibria of random poses, so
 that a pose nearby usually leads to its own lowest equilibrium. They ship in single precision, being
-guesses. ``python -m loopelastica.rod.library`` computes the file anew.
+guesses. ``python -m loopelastica.rod.stored`` computes the file anew.
 """
 
 import functools
@@ -37,7 +37,7 @@ _SHOOTABLE = 250.0
 
 
 @dataclass(frozen=True, slots=True)
-class Library:
+class StoredRods:
     """Stored rods of one torsion ratio: reduced loads (n, 6) and the tree over their poses."""
 
     loads: Array
@@ -127,7 +127,7 @@ def _stored(free_spin: bool) -> Array:
 
 
 @functools.lru_cache(maxsize=4)
-def library(torsion_ratio: float, free_spin: bool) -> Library:
+def stored_rods(torsion_ratio: float, free_spin: bool) -> StoredRods:
     """The stored rods for one torsion ratio; with a free spin M3 = 0 and the ratio is void."""
     from scipy.spatial import KDTree
     from scipy.spatial.transform import Rotation
@@ -140,7 +140,7 @@ def library(torsion_ratio: float, free_spin: bool) -> Library:
             np.array([0.0, 0.0, 1.0]) * (loads[:, 5:] * (1.0 / torsion_ratio - 1.0))
         )
     points, angles = _points(positions, rotation.as_matrix(), free_spin)
-    return Library(_turn_loads(loads, -angles), KDTree(points), free_spin)
+    return StoredRods(_turn_loads(loads, -angles), KDTree(points), free_spin)
 
 
 if __name__ == "__main__":

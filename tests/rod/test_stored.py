@@ -2,7 +2,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from loopelastica.rod._shooting import ends
-from loopelastica.rod.library import _stored, library
+from loopelastica.rod.stored import _stored, stored_rods
 
 
 def test_stored_rods_reach_their_stored_poses():
@@ -23,6 +23,8 @@ def test_a_stored_rod_is_its_own_nearest_neighbour_after_any_turn_of_the_start_f
         rotations = (
             turn * Rotation.from_quat(quaternions, scalar_first=True) * turn.inv()
         ).as_matrix()
-        nearest = library(torsion_ratio, False).nearest(turn.apply(positions), rotations, 1)[:, 0]
+        nearest = stored_rods(torsion_ratio, False).nearest(turn.apply(positions), rotations, 1)[
+            :, 0
+        ]
         for part in (slice(0, 3), slice(3, 6)):
             np.testing.assert_allclose(nearest[:, part], turn.apply(loads[:, part]), atol=1e-4)
