@@ -5,15 +5,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
+from loopelastica.bench.commands import bench
 
+if TYPE_CHECKING:
     from loopelastica.atoms.write import LoopAtoms
     from loopelastica.folding import LoopFold
     from loopelastica.molecule.nucleotides import Structure
     from loopelastica.rod.clamping import Array
-    from loopelastica.scanning import LoopScan
 
 app = typer.Typer(
     help="Folds nucleic-acid hairpin loops as elastic rods clamped to their stems.",
@@ -22,7 +20,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-bench = typer.Typer(help="Measure the solvers; write tables and pictures.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 
 _Files = Annotated[
@@ -157,11 +154,12 @@ def fold(
 
     from loopelastica.errors import LoopelasticaError
     from loopelastica.exports import WHOLE_ATOMS, WholeStructure, one_letter_chains
-    from loopelastica.folding import fold as fold_file
+    from loopelastica.folding import checked_parameters, fold_hairpins
     from loopelastica.listing import remarks
     from loopelastica.molecule.hairpins import find_hairpins
     from loopelastica.molecule.nucleotides import read_structure
     from loopelastica.output import Folders, write_fold
+    from loopelastica.screen import console, fold_table
 
     options: dict[str, Any] = {
         "free_spin": not darboux,
@@ -195,7 +193,7 @@ def fold(
                 structure, pair=pair or (), dot_bracket=dot_bracket, loop=loop or ()
             )
             notes += [f"{file.name}: {sentence}" for sentence in remarks(structure, found)]
-            loops = fold_file(structure, **options)
+            loops = fold_hairpins(structure, found, checked_parameters(**options))
             small = len(structure.universe.atoms) <= WHOLE_ATOMS
             full = (
                 WholeStructure(structure) if loops and (small if whole is None else whole) else None
@@ -228,7 +226,7 @@ def fold(
             raise typer.BadParameter(str(error)) from None
         except OSError as error:
             results.append((file.name, f"{error.filename or file}: {error.strerror}", None))
-    _console().print(_fold_table(results))
+    console().print(fold_table(results))
     for sentence in notes:
         typer.echo(f"note: {sentence}")
     failures = [
@@ -300,6 +298,7 @@ def build(
     """Build a hairpin from its sequence alone: ideal stem, folded loop, atoms."""
     from loopelastica.atoms.sequence import fold_sequence
     from loopelastica.output import Folders, write_fold
+    from loopelastica.screen import console, fold_table
 
     try:
         structure, loop, positions = fold_sequence(sequence, is_dna, max_candidates=candidates)
@@ -312,7 +311,7 @@ def build(
     name = "".join(letter for letter in sequence.upper() if letter.isalpha())
     folder = Folders(out).claim(Path(name), loop)
     write_fold(folder, sequence, loop, structure, plot, atoms=built)
-    _console().print(_fold_table([(name, loop, folder)]))
+    console().print(fold_table([(name, loop, folder)]))
 
 
 def _atoms(
@@ -333,57 +332,6 @@ def _atoms(
             progress=lambda done, total: bar.update(),
         )
     return LoopAtoms(structure, loop, tuple(models), positions)
-
-
-def _console() -> "Console":
-    from rich.console import Console
-
-    console = Console()
-    # a file or a pipe has no width: leave the numbers whole
-    return console if console.is_terminal else Console(width=150)
-
-
-def _fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> "Table":
-    from rich.table import Table
-
-    from loopelastica.output import rmsd_summary
-
-    table = Table(
-        title="Loops folded, least energy first. Energy is no confidence; RMSD without"
-        " superposition, where the file has the loop.",
-        title_justify="left",
-    )
-    for name in ("file", "closing pair", "sequence"):
-        table.add_column(name, overflow="fold")
-    for name in ("rank", "E/K0 (1/Å)", "E (kT)", "touches", "RMSD (Å)", "models (Å)", "residual"):
-        table.add_column(name, justify="right")
-    table.add_column("folder", overflow="fold")
-    for name, result, folder in results:
-        if isinstance(result, str):
-            table.add_row(name, "not folded: see below")
-            continue
-        pair = "–".join(result.hairpin.closing_pair)
-        if result.failure:
-            table.add_row(name, pair, result.hairpin.sequence, "not folded: see below")
-        for c in result.candidates:
-            mean, deviation, count = rmsd_summary(c)
-            models = "" if mean is None or count < 2 else f"{mean:.2f} ± {deviation:.2f} ({count})"
-            first = c.rank == 1
-            table.add_row(
-                name if first else "",
-                pair if first else "",
-                result.hairpin.sequence if first else "",
-                str(c.rank),
-                f"{c.energy_per_A:.4f}",
-                f"{c.energy_kT:.2f}",
-                c.contacts.touched,
-                "" if c.rmsd_A is None else f"{c.rmsd_A:.2f}",
-                models,
-                f"{c.residual:.0e}",
-                str(folder) if first else "",
-            )
-        table.add_section()
-    return table
 
 
 @app.command()
@@ -425,6 +373,7 @@ def scan(
     """Solve every clamp that the stem allows; rank all shapes by deformation energy."""
     from loopelastica.errors import LoopelasticaError
     from loopelastica.scanning import scan as scan_file
+    from loopelastica.screen import console, scan_table
 
     try:
         scans = scan_file(
@@ -439,44 +388,11 @@ def scan(
         if loop.failure:
             typer.echo(f"{file}: {loop.failure}", err=True)
         else:
-            _console().print(_scan_table(loop, shown))
+            console().print(scan_table(loop, shown))
     if not scans:
         typer.echo(f"{file}: no hairpin loop found", err=True)
     if not scans or any(loop.failure for loop in scans):
         raise typer.Exit(1)
-
-
-def _scan_table(loop: "LoopScan", shown: int) -> "Table":
-    from rich.table import Table
-
-    median, most = loop.expected_rmsd_A
-    table = Table(
-        title=f"{'–'.join(loop.hairpin.closing_pair)} {loop.hairpin.sequence}, by E/K0",
-        caption=f"{min(shown, len(loop.candidates))} of {len(loop.candidates)} shapes, spread"
-        f" {loop.spread_A:.1f} Å. Energy is no confidence: the least deformed shape is not the most"
-        f" probable one. Error to expect of the rule (*) for {len(loop.hairpin)} nucleotides:"
-        f" {median} Å (median), {most} Å (90 %).",
-        title_justify="left",
-        caption_justify="left",
-    )
-    for name in ("rank", "by E·L", "5' 3' ext.", "taper", "free", "E/K0 (1/Å)", "E·L/K0"):
-        table.add_column(name, justify="right")
-    table.add_column("touches")
-    table.add_column("RMSD (Å)", justify="right")
-    for c in loop.candidates[:shown]:
-        clamp, shape = c.ends.clamp, c.candidate
-        table.add_row(
-            f"{shape.rank}{'*' if c.is_rule else ' '}",
-            str(c.rank_by_EL),
-            f"{clamp.stem_extend_5} {clamp.stem_extend_3}",
-            f"{clamp.taper:g}",
-            str(c.ends.n_free),
-            f"{shape.energy_per_A:.4f}",
-            f"{shape.rod.energy:.2f}",
-            shape.contacts.touched,
-            "" if shape.rmsd_A is None else f"{shape.rmsd_A:.2f}",
-        )
-    return table
 
 
 @app.command()
@@ -495,6 +411,7 @@ def hairpins(
     from loopelastica.molecule.hairpins import find_hairpins
     from loopelastica.molecule.nucleotides import read_structure
     from loopelastica.output import write_json
+    from loopelastica.screen import console, hairpins_table
 
     try:
         structure = read_structure(file)
@@ -511,7 +428,7 @@ def hairpins(
         typer.echo(f"{error.filename or json_file}: {error.strerror}", err=True)
         raise typer.Exit(1) from None
     if found:
-        _console().print(_hairpins_table(content["hairpins"]))
+        console().print(hairpins_table(content["hairpins"]))
     for chain in content["chains"]:
         typer.echo(f">{chain['chain'] or '_'} {chain['first']}-{chain['last']}")
         typer.echo(chain["sequence"])
@@ -524,32 +441,6 @@ def hairpins(
     if not found:
         typer.echo(f"{file}: no hairpin loop found", err=True)
         raise typer.Exit(1)
-
-
-def _hairpins_table(found: "list[dict[str, Any]]") -> "Table":
-    from rich.table import Table
-
-    table = Table()
-    for name in ("chain", "closing pair", "sequence", "loop", "kind", "stem pairs"):
-        table.add_column(name, overflow="fold")
-    table.add_column("stem fit (Å)", justify="right")
-    for name in ("contacts", "kisses"):
-        table.add_column(name, overflow="fold")
-    for hairpin in found:
-        rms_A, absent = hairpin["stem_rms_A"], hairpin["absent"]
-        fit = "none" if rms_A is None else f"{rms_A:.2f}"
-        table.add_row(
-            hairpin["chain"] or "_",
-            "–".join(hairpin["closing_pair"]),
-            hairpin["sequence"],
-            f"{hairpin['nucleotides']} nt" + (f", {absent} absent" if absent else ""),
-            hairpin["kind"],
-            str(hairpin["stem_pairs"]),
-            fit if hairpin["regular"] else f"{fit}, irregular",
-            ", ".join("–".join(pair) for pair in hairpin["contacts"]),
-            ", ".join(hairpin["kissing"]),
-        )
-    return table
 
 
 @app.command()
@@ -590,115 +481,14 @@ def solve(
         }
         typer.echo(json.dumps(found, indent=1, allow_nan=False))
     elif rods:
-        from rich.table import Table
+        from loopelastica.screen import console, equilibria_table
 
-        table = Table(title=f"unseen: {rods.unseen:.2f} of further starts", title_justify="left")
-        for name in ("energy", "F (start frame)", "M (start frame)", "twist", "residual"):
-            table.add_column(name, justify="right", no_wrap=True)
-        for rod in rods:
-            table.add_row(
-                f"{rod.energy:.6g}",
-                " ".join(f"{v:9.4g}" for v in rod.loads[:3]),
-                " ".join(f"{v:9.4g}" for v in rod.loads[3:]),
-                f"{rod.twist:.4f}",
-                f"{rod.residual:.0e}",
-            )
-        _console().print(table)
+        console().print(equilibria_table(rods))
     if not rods:
         typer.echo(
             f"--clamping {clamping!r}: no equilibrium found in {rods.starts} starts", err=True
         )
         raise typer.Exit(1)
-
-
-@bench.command("paper")
-def bench_paper(
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
-        "loopelastica-bench/paper"
-    ),
-    full: Annotated[bool, typer.Option("--full", help="Every rod of the paper's sets.")] = False,
-    sample: Annotated[int, typer.Option(help="Rods per cell otherwise.", min=1)] = 400,
-    own_full: Annotated[
-        bool, typer.Option("--own-full", help="Every rod for the package's own solver only.")
-    ] = False,
-) -> None:
-    """Rerun the studies of Figs. 3, 4 and 5 of the 2018 paper: its printed method, and ours."""
-    from loopelastica.bench.paper import run
-
-    run(out, full=full, sample=sample, progress=True, own_full=own_full)
-    typer.echo(f"written to {out}")
-
-
-@bench.command("atoms")
-def bench_atoms(
-    folder: Annotated[Path, typer.Argument(help="Folder of structure files.", show_default=False)],
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
-        "loopelastica-bench/atoms"
-    ),
-    sample: Annotated[
-        int | None, typer.Option(help="Only so many files, evenly spread.", min=1)
-    ] = None,
-) -> None:
-    """Build the first candidate's atoms for every simple loop of a folder; judge the models."""
-    from loopelastica.bench.atoms import run
-
-    typer.echo(run(folder, out, sample=sample, progress=True))
-    typer.echo(f"written to {out}")
-
-
-@bench.command("stability")
-def bench_stability(
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
-        "loopelastica-bench/stability"
-    ),
-    full: Annotated[bool, typer.Option("--full", help="Large samples; some minutes.")] = False,
-    seed: Annotated[int, typer.Option(help="Seed of the random poses.")] = 2026,
-) -> None:
-    """Solve stiff, extreme and degenerate clampings; judge each result independently."""
-    from loopelastica.bench.stability import run
-
-    run(out, full=full, seed=seed, progress=True)
-    typer.echo(f"written to {out}")
-
-
-@bench.command("accuracy")
-def bench_accuracy(
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
-        "loopelastica-bench/accuracy"
-    ),
-    full: Annotated[bool, typer.Option("--full", help="Large samples; some forty minutes.")] = (
-        False
-    ),
-    cold: Annotated[bool, typer.Option("--cold", help="The cold start too; minutes more.")] = (
-        False
-    ),
-    seed: Annotated[int, typer.Option(help="Seed of the random targets.")] = 2026,
-) -> None:
-    """Compare error and run time with the paper's method and SciPy's, on the same targets."""
-    from loopelastica.bench.accuracy import run
-    from loopelastica.errors import MissingDependencyError
-
-    try:
-        run(out, full=full, cold=cold, seed=seed, progress=True)
-    except MissingDependencyError as error:
-        typer.echo(str(error), err=True)
-        raise typer.Exit(1) from None
-    typer.echo(f"written to {out}")
-
-
-@bench.command("scaling")
-def bench_scaling(
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
-        "loopelastica-bench/scaling"
-    ),
-    full: Annotated[bool, typer.Option("--full", help="Up to a million rods.")] = False,
-    seed: Annotated[int, typer.Option(help="Seed of the random rods.")] = 2026,
-) -> None:
-    """Measure time and memory over the number of rods, threads, length and equilibria."""
-    from loopelastica.bench.scaling import run
-
-    run(out, full=full, seed=seed, progress=True)
-    typer.echo(f"written to {out}")
 
 
 if __name__ == "__main__":

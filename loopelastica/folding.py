@@ -17,7 +17,12 @@ from loopelastica.errors import StructureError
 from loopelastica.molecule.clamp_rule import default_clamp
 from loopelastica.molecule.contacts import stem_atoms
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
-from loopelastica.molecule.nucleotides import Nucleotides, centroids_at, read_structure
+from loopelastica.molecule.nucleotides import (
+    Nucleotides,
+    Structure,
+    centroids_at,
+    read_structure,
+)
 from loopelastica.molecule.selection import as_texts
 from loopelastica.molecule.stem_ends import PlacedStem, StemEnds, placed_stem
 from loopelastica.rank import Candidate, rank
@@ -162,11 +167,18 @@ def fold(
     )
     structure = read_structure(path_or_universe)
     hairpins = find_hairpins(structure, pair=pair, dot_bracket=dot_bracket, loop=loop)
+    return fold_hairpins(structure, hairpins, parameters)
+
+
+def fold_hairpins(
+    structure: Structure, hairpins: Sequence[Hairpin], parameters: dict[str, Any]
+) -> list[LoopFold]:
+    """Fold hairpins that are known already, by :func:`checked_parameters`."""
     folds: list[list[LoopFold]] = [[] for _ in hairpins]
     for positions in structure.models():
         for hairpin, models in zip(hairpins, folds, strict=True):
             models.append(fold_positions(structure.nucleotides, hairpin, positions, **parameters))
-        if not all_models:
+        if not parameters["all_models"]:
             break
     return [_together(models) for models in folds]
 
