@@ -16,8 +16,8 @@ is Newton's method at a given t.
 import math
 
 import numpy as np
-from numba import njit
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._rotations import tangent
 from loopelastica.rod._segments import apply, backward, forward, gaps
 from loopelastica.rod._shooting import WITH_JACOBIAN
@@ -29,7 +29,7 @@ _DROP = 1e-11
 _COARSE, _FINE, _CHECK = 1.0, 3.0, 4.6
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def moving_clamp(origin, quaternion, shift, axis, t, q, p):
     """Clamp at ``t``: position p + t v into ``p`` (3,), rotation R exp(t ω) into ``q`` (4,)."""
     for c in range(3):
@@ -44,7 +44,7 @@ def moving_clamp(origin, quaternion, shift, axis, t, q, p):
     q[3] = w * z + u * y - v * x + n * cw
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _bordered(a, order, u, v):
     """Solve the consistent ``a`` (8, 9) for its last two columns, into ``u`` and ``v`` (7,).
 
@@ -90,7 +90,7 @@ def _bordered(a, order, u, v):
         v[order[i]] = second / a[i, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _border(
     work, end_q, rate, quaternion, shift, axis, scale, row, remainder, g, phase, a, w
 ):  # fmt: skip
@@ -136,7 +136,7 @@ def _border(
             a[7, c + 1] = g[c] / scale[c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def corrected_step(
     origin, quaternion, shift, axis, torsion_ratio, free_spin, node_s, node_pose, g, scale,
     row, ds, most, phase, direction,

@@ -16,8 +16,8 @@ tails. All arrays are the caller's.
 import math
 
 import numpy as np
-from numba import njit
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._newton import CONVERGED, elastic_energy, newton
 from loopelastica.rod._relaxation import (
     SEGMENTS,
@@ -47,7 +47,7 @@ from loopelastica.rod._tails import (
 NODES = SEGMENTS + 1
 
 # how a solution was found; the names are in `equilibrium`
-NONE, SHOOTING, TAILS, TAILS_POLISHED, RELAXED, RELAXED_TAILS = 0, 1, 2, 3, 4, 5
+NONE, SHOOTING, TAILS, TAILS_POLISHED, RELAXED, RELAXED_TAILS, RELAXED_SHOT = 0, 1, 2, 3, 4, 5, 7
 
 # √F cos β above which the tails are good nodes, and above which only tails hold
 _TENSE, _STIFF = 14.0, 45.0
@@ -58,7 +58,10 @@ _DROP = 1e-12
 _DIRECTIONS = 12
 
 # Newton steps that a stored rod is given to come near: one that needs more seldom does
-_HASTE = 6
+_HASTE = 8
+# √F below which one shot from the start is accurate; Newton steps that a discrete rod is given, and
+# how far, relative to their size, its loads may go: further, it would be another rod
+_LOOSE, _STEPS, _SAME = 6.0, 4, 0.1
 
 # 1 − |r| above which half the segments do; what hinge energies may be off by
 _SLACK, _MARGIN = 0.15, 0.05
@@ -90,7 +93,7 @@ _RETRIES = np.array(
 _STRAIGHTISH, _OPPOSED = 0.05, -0.8
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _accept_tails(tail, quaternion, torsion_ratio, free_spin, tolerance, loads):
     """(residual, energy) of a tail solution and its loads; residual inf if it is none."""
     if not tails_apart(tail):
@@ -104,7 +107,7 @@ def _accept_tails(tail, quaternion, torsion_ratio, free_spin, tolerance, loads):
     return residual, tail_energy(tail, torsion_ratio)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _accept_nodes(
     quaternion, position, torsion_ratio, free_spin, node_s, node_pose, m, tolerance, loads
 ):
@@ -139,7 +142,7 @@ def _accept_nodes(
     return residual, energy
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _turn_about_start(pose, loads, angle):
     """Turn the inner nodes and the loads about d3(0), ends fixed: Rz R Rzᵀ for the frames."""
     c, s = math.cos(angle), math.sin(angle)
@@ -154,7 +157,7 @@ def _turn_about_start(pose, loads, angle):
         pose[k, 4], pose[k, 5] = c * x - s * y, s * x + c * y
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _near_one_line(position, quaternion):
     """Whether both end tangents are parallel to the chord to within 0.01 rad, either way."""
     tx, ty, _ = tangent(quaternion)
@@ -163,7 +166,7 @@ def _near_one_line(position, quaternion):
     return math.sqrt(tx * tx + ty * ty) < 0.01 and across <= 0.01 * size + 1e-4
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _from_tails(
     tail, position, quaternion, torsion_ratio, free_spin, tolerance, loads, node_s, node_pose
 ):
@@ -190,7 +193,7 @@ def _from_tails(
     return residual, energy, m
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _settle_tails(
     tail, position, quaternion, torsion_ratio, free_spin, tolerance, loads, node_s, node_pose
 ):  # fmt: skip
@@ -209,7 +212,7 @@ def _settle_tails(
     return math.inf, math.inf, 0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _tails_from_loads(loads, position, quaternion, gap, torsion_ratio, free_spin, tail):
     """Tails that carry the loads found by the discrete rod; True if their equations are solved."""
     f = math.sqrt(loads[0] ** 2 + loads[1] ** 2 + loads[2] ** 2)
@@ -248,7 +251,7 @@ def _tails_from_loads(loads, position, quaternion, gap, torsion_ratio, free_spin
     return tail_newton(x, q0, position, quaternion, gap, torsion_ratio, free_spin, reference, tail)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _relax_start(position, quaternion, gap, ratio, free_spin, start, n, s, frames, load):
     """The discrete rod of one start: its energy, or inf; ``load`` (6,) is F and M at s = 0."""
     force, moment = np.empty(3), np.empty(3)
@@ -270,7 +273,7 @@ def _relax_start(position, quaternion, gap, ratio, free_spin, start, n, s, frame
     return energy if found else math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _finish(
     position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, relaxed, n, s, frames, load,
     tolerance, loads, node_s, node_pose, tail,
@@ -286,6 +289,19 @@ def _finish(
         )  # fmt: skip
         if residual < tolerance:
             return RELAXED_TAILS, residual, energy, m
+    if (
+        relaxed
+        and size < _LOOSE
+        and torsion_ratio == relaxed_ratio
+        and not _near_one_line(position, quaternion)
+    ):
+        for c in range(6):
+            loads[c] = load[c]
+        status, residual, _, end = newton(
+            loads, position, quaternion, torsion_ratio, free_spin, tolerance, _STEPS
+        )
+        if status == CONVERGED and _apart(loads, load) < _SAME:
+            return RELAXED_SHOT, residual, elastic_energy(loads, end, torsion_ratio), 0
     target = frames[n + 1].copy() if free_spin else quaternion
     # with M3 = 0 the ratio is void
     ratio = 1.0 if free_spin else torsion_ratio
@@ -325,7 +341,7 @@ def _finish(
     return NONE, math.inf, math.inf, 0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _worthwhile(start, position, quaternion, gap, free_spin):
     """Whether a start can lead to the lowest rod of a nearly straight clamping.
 
@@ -351,7 +367,7 @@ def _worthwhile(start, position, quaternion, gap, free_spin):
     return abs(end_turn(quaternion, q) + 2.0 * math.pi * start[0]) < math.pi + 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _begin(
     position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, start, n, s, frames, load,
     tail,
@@ -373,7 +389,7 @@ def _begin(
     return (RELAXED if energy < math.inf else NONE), energy
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _end(
     kind, position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, start, n, s, frames,
     load, start_tail, tolerance, loads, node_s, node_pose, tail,
@@ -400,7 +416,7 @@ def _end(
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def run_start(
     position, quaternion, torsion_ratio, free_spin, start, tolerance,
     loads, node_s, node_pose, tail,
@@ -425,14 +441,14 @@ def run_start(
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _gap(position):
     """1 − |r|."""
     squares = position[0] ** 2 + position[1] ** 2 + position[2] ** 2
     return (1.0 - squares) / (1.0 + math.sqrt(squares))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def run_starts(
     position, quaternion, torsion_ratio, free_spin, starts, lowest, tolerance,
     loads, node_s, node_pose, tail,
@@ -512,7 +528,7 @@ def run_starts(
     return best
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _keep(result, best, scratch, loads, node_s, node_pose, tail):
     """The better of two results; the record of a new one is copied from the scratch arrays."""
     if not result[2] < best[2]:
@@ -525,31 +541,35 @@ def _keep(result, best, scratch, loads, node_s, node_pose, tail):
     return result
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _seen(load, ended, i):
     """Whether a start that has come to its end was at the same rod half way as start ``i``."""
     for j in range(load.shape[0]):
-        if ended[j]:
-            apart = 0.0
-            size = 1.0
-            for c in range(6):
-                apart = max(apart, abs(load[i, c] - load[j, c]))
-                size = max(size, abs(load[i, c]))
-            if apart < 1e-3 * size:
-                return True
+        if ended[j] and _apart(load[i], load[j]) < 1e-3:
+            return True
     return False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
+def _apart(one, other):
+    """Largest difference of two loads, relative to the largest component or to 1."""
+    apart, size = 0.0, 1.0
+    for c in range(6):
+        apart = max(apart, abs(one[c] - other[c]))
+        size = max(size, abs(one[c]))
+    return apart / size
+
+
+@kernel
 def run_batch(
-    positions, quaternions, torsion_ratio, free_spin, guesses, starts, lowest, tolerance,
+    positions, quaternions, torsion_ratio, free_spin, guesses, known, starts, lowest, tolerance,
     loads, energies, residuals, methods,
 ):  # fmt: skip
-    """Many poses: Newton's method from ``guesses`` (n, g, 6), then `run_starts`."""
+    """Many poses: Newton's method from the ``known`` (n,) of ``guesses`` (n, g, 6), `run_starts`."""
     tail, node_s, node_pose = np.zeros(SIZE), np.empty(NODES), np.empty((NODES, 7))
     for i in range(positions.shape[0]):
         # no stored rod is that nearly straight
-        near = guesses.shape[1] if _gap(positions[i]) > _STRAIGHTISH else 0
+        near = known[i] if _gap(positions[i]) > _STRAIGHTISH else 0
         for j in range(near):
             loads[i] = guesses[i, j]
             status, residual, _, end = newton(

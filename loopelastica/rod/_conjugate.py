@@ -18,15 +18,15 @@ discretization's error.
 import math
 
 import numpy as np
-from numba import njit
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._discrete import assemble, factor, measure, negative_eigenvalues
 from loopelastica.rod._rotations import matrix_from_quaternion
 from loopelastica.rod._segments import _integrate, _rows
 from loopelastica.rod._shooting import WITH_JACOBIAN
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _sign_of_determinant(a, n):
     """Sign of det of the leading n × n block, by elimination with partial pivoting, in place."""
     sign = 1.0
@@ -50,7 +50,7 @@ def _sign_of_determinant(a, n):
     return sign
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def sign_changes(loads, torsion_ratio, free_spin, s, poses):
     """Sign changes of det V between the points ``s`` (n,) after the first few, and before L.
 
@@ -109,7 +109,7 @@ def sign_changes(loads, torsion_ratio, free_spin, s, poses):
     return changes
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def inertia(loads, position, torsion_ratio, free_spin, s, frames, shift):
     """Morse index of the discretization with nodes ``s`` (n + 1,) and ``frames`` (n + 2, 4).
 

@@ -19,12 +19,12 @@ Linear systems in H are block tridiagonal with 3×3 blocks.
 import math
 
 import numpy as np
-from numba import njit
 
-from loopelastica.rod._rotations import matrix_from_quaternion, tangent
+from loopelastica.rod._compiled import kernel
+from loopelastica.rod._rotations import directors, tangent
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def turn(q, bx, by, bz):
     """Turn q by exp(b) from the right, in place."""
     a2 = bx * bx + by * by + bz * bz
@@ -44,7 +44,7 @@ def turn(q, bx, by, bz):
     q[3] *= norm
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def hinge_vector(p, q, out):
     """ω = log(pᵀ q) in the frame of p, |ω| ≤ π, into ``out``."""
     w = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]
@@ -59,7 +59,7 @@ def hinge_vector(p, q, out):
     out[0], out[1], out[2] = factor * x, factor * y, factor * z
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def measure(frames, s, n, position, k3, omega, c):
     """Energy of all hinges; ``omega`` (n + 1, 3) and the constraint ``c`` (3,) on the way."""
     energy = 0.0
@@ -79,7 +79,7 @@ def measure(frames, s, n, position, k3, omega, c):
     return energy
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def hinge_length(s, n, j):
     """Half of either neighbouring segment."""
     h = 0.0
@@ -90,51 +90,18 @@ def hinge_length(s, n, j):
     return h
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _sandwich(p, q, k3, h, out):
-    """Product p diag(1, 1, k3) q / h of 3×3 arrays, into ``out``."""
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = (p[i, 0] * q[0, j] + p[i, 1] * q[1, j] + k3 * p[i, 2] * q[2, j]) / h
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _second(x, y, z, mx, my, mz, c2, dc2, a):
-    """Derivative of c2 ω × (ω × m) with respect to ω, m fixed, into ``a`` (3, 3)."""
-    dot = x * mx + y * my + z * mz
-    a2 = x * x + y * y + z * z
-    v = (x, y, z)
-    w = (mx, my, mz)
-    for i in range(3):
-        along = dc2 * (v[i] * dot - w[i] * a2)
-        for j in range(3):
-            a[i, j] = c2 * (v[i] * w[j] - 2.0 * w[i] * v[j]) + along * v[j]
-        a[i, i] += c2 * dot
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _add_symmetric(a, p, mx, my, mz, sign, out):
-    """Add to ``out`` the symmetric part of (a + sign [m]/2) p: what exp adds to second order."""
-    h = 0.5 * sign
-    t = np.empty((3, 3))
-    for j in range(3):
-        t[0, j] = a[0, 0] * p[0, j] + (a[0, 1] - h * mz) * p[1, j] + (a[0, 2] + h * my) * p[2, j]
-        t[1, j] = (a[1, 0] + h * mz) * p[0, j] + a[1, 1] * p[1, j] + (a[1, 2] - h * mx) * p[2, j]
-        t[2, j] = (a[2, 0] - h * my) * p[0, j] + (a[2, 1] + h * mx) * p[1, j] + a[2, 2] * p[2, j]
-    for i in range(3):
-        for j in range(3):
-            out[i, j] += 0.5 * (t[i, j] + t[j, i])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def assemble(frames, s, n, blocks, k3, omega, force, diagonal, upper, gradient, sides):
     """Hessian blocks, gradient and constraint rows of the Lagrangian at ``frames``.
 
     ``diagonal``, ``upper`` (blocks, 3, 3), ``gradient`` (blocks, 3) of the energy alone, and
     ``sides`` (blocks, 3, 3), the transposed constraint rows C_kᵀ.
+
+    With W = [ω], W³ = −a² W, n = m × ω and d = m·ω all products of the module's head are sums of
+    1, [ω], [m] and dyads of ω, m, n and the third row and column of P.
     """
-    p, pt, a = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    t1, t2, t3 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    w, m, row, column = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    v, side, moved = np.empty(3), np.empty(3), np.empty(3)
     for k in range(blocks):
         for i in range(3):
             gradient[k, i] = 0.0
@@ -155,72 +122,98 @@ def assemble(frames, s, n, blocks, k3, omega, force, diagonal, upper, gradient, 
         else:
             c2 = 1.0 / 12.0 + a2 / 720.0 + a2 * a2 / 30240.0
             dc2 = 1.0 / 360.0 + a2 / 7560.0 + a2 * a2 / 201600.0
-        p[0, 0] = 1.0 - c2 * (y * y + z * z)
-        p[1, 1] = 1.0 - c2 * (x * x + z * z)
-        p[2, 2] = 1.0 - c2 * (x * x + y * y)
-        p[0, 1], p[1, 0] = -0.5 * z + c2 * x * y, 0.5 * z + c2 * x * y
-        p[0, 2], p[2, 0] = 0.5 * y + c2 * x * z, -0.5 * y + c2 * x * z
-        p[1, 2], p[2, 1] = -0.5 * x + c2 * y * z, 0.5 * x + c2 * y * z
-        for i in range(3):
-            for j in range(3):
-                pt[i, j] = p[j, i]
-        mx, my, mz = x / h, y / h, k3 * z / h
-        _second(x, y, z, mx, my, mz, c2, dc2, a)
+        w[0], w[1], w[2] = x, y, z
+        m[0], m[1], m[2] = x / h, y / h, k3 * z / h
+        side[0], side[1], side[2] = m[1] * z - m[2] * y, m[2] * x - m[0] * z, m[0] * y - m[1] * x
+        dot = x * m[0] + y * m[1] + z * m[2]
+        # third row and column of P = 1 + W/2 + c2 W²
+        row[0], row[1], row[2] = c2 * x * z - 0.5 * y, c2 * y * z + 0.5 * x, 1.0 + c2 * (z * z - a2)
+        column[0], column[1], column[2] = c2 * x * z + 0.5 * y, c2 * y * z - 0.5 * x, row[2]
+        uniform = 1.0 - c2 * a2
+        excess = (k3 - 1.0) / h
+        # PᵀP = PPᵀ = 1 + square W²
+        square = 2.0 * c2 - 0.25 - c2 * c2 * a2
+        one = (1.0 - square * a2) / h + dot * (c2 * uniform - 0.25)
+        both = square / h + dot * (2.0 * c2 * c2 + dc2)
+        bent = c2 * uniform - 2.0 * c2 - dc2 * a2 + 0.25
         before, after = hinge - 1, hinge
         if before >= 0:
-            _sandwich(p, pt, k3, h, t1)
-            _add_symmetric(a, pt, mx, my, mz, -1.0, t1)
             for i in range(3):
-                gradient[before, i] -= p[i, 0] * mx + p[i, 1] * my + p[i, 2] * mz
-                for j in range(3):
-                    diagonal[before, i, j] += t1[i, j]
-        if after < blocks:
-            _sandwich(pt, p, k3, h, t2)
-            _add_symmetric(a, p, mx, my, mz, 1.0, t2)
-            # −P (K P/h + Aᵀ), A the derivative of Pᵀ m
-            _sandwich(p, p, k3, h, t3)
+                # P m
+                moved[i] = uniform * m[i] + c2 * dot * w[i] - 0.5 * side[i]
+                gradient[before, i] -= moved[i]
+                v[i] = 0.5 * (bent * m[i] - c2 * side[i])
             for i in range(3):
+                diagonal[before, i, i] += one
                 for j in range(3):
-                    t3[i, j] = -t3[i, j] - (
-                        p[i, 0] * a[j, 0] + p[i, 1] * a[j, 1] + p[i, 2] * a[j, 2]
+                    diagonal[before, i, j] += (
+                        both * w[i] * w[j]
+                        + v[i] * w[j]
+                        + w[i] * v[j]
+                        + excess * column[i] * column[j]
                     )
-                # A = a + [m]/2, and its transpose has −[m]/2
-                t3[i, 0] += 0.5 * (p[i, 1] * mz - p[i, 2] * my)
-                t3[i, 1] += 0.5 * (p[i, 2] * mx - p[i, 0] * mz)
-                t3[i, 2] += 0.5 * (p[i, 0] * my - p[i, 1] * mx)
-            # the last clamp, if free, may only turn about its tangent
-            clamp = after == n
+        # the last clamp, if free, may only turn about its tangent
+        first = 2 if after == n else 0
+        if after < blocks:
+            for i in range(first):
+                diagonal[after, i, i] = 1.0
             for i in range(3):
-                if clamp and i < 2:
-                    diagonal[after, i, i] = 1.0
-                    continue
-                gradient[after, i] += pt[i, 0] * mx + pt[i, 1] * my + pt[i, 2] * mz
-                for j in range(3):
-                    if not (clamp and j < 2):
-                        diagonal[after, i, j] += t2[i, j]
-            if before >= 0:
-                for i in range(3):
-                    for j in range(3):
-                        if not (clamp and j < 2):
-                            upper[before, i, j] = t3[i, j]
+                v[i] = 0.5 * (bent * m[i] + c2 * side[i])
+            for i in range(first, 3):
+                gradient[after, i] += uniform * m[i] + c2 * dot * w[i] + 0.5 * side[i]
+                diagonal[after, i, i] += one
+                for j in range(first, 3):
+                    diagonal[after, i, j] += (
+                        both * w[i] * w[j] + v[i] * w[j] + w[i] * v[j] + excess * row[i] * row[j]
+                    )
+        if before >= 0 and after < blocks:
+            # −P (K P/h + Aᵀ) with P² = 1 + uniform W + (square + 1/2) W²
+            square += 0.5
+            one = (1.0 - square * a2) / h + c2 * dot * uniform + 0.25 * dot
+            both = square / h + c2 * c2 * dot + dc2 * dot
+            for i in range(3):
+                v[i] = 0.5 * c2 * side[i] - (2.0 * c2 + dc2 * a2) * m[i]
+                moved[i] = c2 * moved[i] - 0.25 * m[i]
+            for i in range(3):
+                for j in range(first, 3):
+                    upper[before, i, j] = -(
+                        both * w[i] * w[j]
+                        + moved[i] * w[j]
+                        + w[i] * v[j]
+                        + excess * column[i] * row[j]
+                    )
+            # what multiplies [ω] and [m]
+            turned, straight = uniform / h + 0.5 * c2 * dot, -0.5 * uniform
+            rx = turned * x + straight * m[0]
+            ry = turned * y + straight * m[1]
+            rz = turned * z + straight * m[2]
+            if first == 0:
+                upper[before, 0, 0] -= one
+                upper[before, 1, 1] -= one
+                upper[before, 0, 1] += rz
+                upper[before, 1, 0] -= rz
+                upper[before, 2, 0] += ry
+                upper[before, 2, 1] -= rx
+            upper[before, 2, 2] -= one
+            upper[before, 0, 2] -= ry
+            upper[before, 1, 2] += rx
     for k in range(n):
-        m = matrix_from_quaternion(frames[k + 1])
+        d1x, d1y, d1z, d2x, d2y, d2z, d3x, d3y, d3z = directors(frames[k + 1])
         length = s[k + 1] - s[k]
-        gx = m[0, 0] * force[0] + m[1, 0] * force[1] + m[2, 0] * force[2]
-        gy = m[0, 1] * force[0] + m[1, 1] * force[1] + m[2, 1] * force[2]
-        gz = m[0, 2] * force[0] + m[1, 2] * force[1] + m[2, 2] * force[2]
+        gx = d1x * force[0] + d1y * force[1] + d1z * force[2]
+        gy = d2x * force[0] + d2y * force[1] + d2z * force[2]
+        gz = d3x * force[0] + d3y * force[1] + d3z * force[2]
         diagonal[k, 0, 0] += length * gz
         diagonal[k, 1, 1] += length * gz
         diagonal[k, 0, 2] -= 0.5 * length * gx
         diagonal[k, 2, 0] -= 0.5 * length * gx
         diagonal[k, 1, 2] -= 0.5 * length * gy
         diagonal[k, 2, 1] -= 0.5 * length * gy
-        for j in range(3):
-            sides[k, 0, j] = -length * m[j, 1]
-            sides[k, 1, j] = length * m[j, 0]
+        sides[k, 0, 0], sides[k, 0, 1], sides[k, 0, 2] = -length * d2x, -length * d2y, -length * d2z
+        sides[k, 1, 0], sides[k, 1, 1], sides[k, 1, 2] = length * d1x, length * d1y, length * d1z
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def negative_eigenvalues(a, shift):
     """Negative eigenvalues of the symmetric 3×3 ``a`` + shift·1, and its determinant."""
     a00, a11, a22 = a[0, 0] + shift, a[1, 1] + shift, a[2, 2] + shift
@@ -240,7 +233,7 @@ def negative_eigenvalues(a, shift):
     return count, det
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def inverse3(a, out):
     """Inverse of a symmetric 3×3 array."""
     c00 = a[1, 1] * a[2, 2] - a[1, 2] * a[1, 2]
@@ -257,7 +250,7 @@ def inverse3(a, out):
     out[2, 2] = r * (a[0, 0] * a[1, 1] - a[0, 1] * a[0, 1])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def factor(diagonal, upper, s, n, blocks, shift, inverse, x):
     """Solve the block tridiagonal H + shift·h for the four columns of ``x``, in place.
 

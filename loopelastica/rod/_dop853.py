@@ -5,7 +5,7 @@ section II.5. The same numbers as ``scipy.integrate.DOP853.A`` and ``.B`` (a tes
 kept here because loading scipy.integrate takes longer than solving a thousand rods.
 """
 
-from numba import njit
+from loopelastica.rod._compiled import kernel
 
 STAGES = 12
 # slopes of a state of up to this size lie that far apart in ``k``
@@ -73,7 +73,7 @@ B_10 = 0.20136540080403034
 B_11 = 0.04471061572777259
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def stage(y, z, k, i, h, size):
     """State of stage ``i`` from the slopes before it, z = y + h Σ Ai_j k_j; of the end for 12.
 

@@ -16,25 +16,25 @@ loads are then judged by a mesh that the iteration did not use: only that residu
 import math
 
 import numpy as np
-from numba import njit
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._rotations import larger, log_jacobian_inverse, rotation_vector, tangent
 from loopelastica.rod._shooting import POSE, WITH_JACOBIAN, moment_bound, shoot, step_count
 
 CONVERGED, STALLED, TOO_MANY_ITERATIONS, TOO_STIFF, CHECK_FAILED = 0, 1, 2, 3, 4
 
-# steps per radian of turning: 1e-4 while searching, 1e-10 when polishing (measured over loads
-# up to |F| = 60, |M| = 12)
-_COARSE, _FINE = 0.6, 2.5
+# steps per radian of turning: while searching and when polishing; largest mesh errors over loads up
+# to |F| = 60, |M| = 12 are 2e-4, 1e-7 and 1e-9, their medians 1e-5, 2e-9 and 3e-11
+_COARSE, _MEDIUM, _FINE = 0.45, 1.4, 2.5
 # the coarse mesh is trusted down to here
 _SWITCH = 1e-3
-# steps on the fine mesh, and the error there that needs no other
-_CHORDS, _SETTLED = 8, 1e-11
+# steps with its last Jacobian, and the error from which one more is expected to be the last
+_CHORDS, _NEAR = 8, 1e-7
 # growth exp(√F) of an error over the length: beyond, loads at one end do not fix the other end
 _MAX_RATE = 400.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def end_error(y, position, quaternion, free_spin, m3, e, jacobian, with_jacobian):
     """Residual ``e`` (6,) of the end state ``y`` and, if asked, its ``jacobian`` (6, 6)."""
     for c in range(3):
@@ -76,7 +76,7 @@ def end_error(y, position, quaternion, free_spin, m3, e, jacobian, with_jacobian
                 jacobian[3 + i, j] = m[i, 0] * y[7 + j] + m[i, 1] * y[13 + j] + m[i, 2] * y[19 + j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _largest(e):
     worst = 0.0
     for c in range(6):
@@ -84,7 +84,7 @@ def _largest(e):
     return worst if worst == worst else math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _squares(e):
     total = 0.0
     for c in range(6):
@@ -92,7 +92,7 @@ def _squares(e):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def marquardt_step(jacobian, e, scale, nu, a, d):
     """Solve (JᵀJ + ν S²) d = −Jᵀe by Cholesky; ``scale`` (6,) are 1/S. False if not definite."""
     for i in range(6):
@@ -129,7 +129,7 @@ def marquardt_step(jacobian, e, scale, nu, a, d):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def pivoted_step(jacobian, e, scale, a, d, drop=1e-11):
     """Newton step −J⁻¹e by complete pivoting; directions with pivots below ``drop`` stay put."""
     n = 6
@@ -177,7 +177,7 @@ def pivoted_step(jacobian, e, scale, a, d, drop=1e-11):
     return rank
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _scales(f, scale):
     force = max(10.0, math.sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]))
     moment = max(3.0, math.sqrt(f[3] * f[3] + f[4] * f[4] + f[5] * f[5]))
@@ -186,7 +186,7 @@ def _scales(f, scale):
         scale[3 + c] = moment
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _search(
     f, position, quaternion, torsion_ratio, free_spin, most, y, k, z, e, jacobian
 ):  # fmt: skip
@@ -240,7 +240,7 @@ def _search(
     return TOO_MANY_ITERATIONS, most
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance, most):
     """Drive the loads ``f`` (6,) to the clamping, in place, in at most ``most`` search steps.
 
@@ -249,7 +249,7 @@ def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance, most):
     """
     y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
     a, d, scale = np.empty((6, 6)), np.empty(6), np.empty(6)
-    e, jacobian, kept = np.empty(6), np.empty((6, 6)), np.empty(6)
+    e, jacobian = np.empty(6), np.empty((6, 6))
     if free_spin:
         f[5] = 0.0
     if not moment_bound(f) < _MAX_RATE:
@@ -260,10 +260,15 @@ def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance, most):
     if status != CONVERGED:
         return status, _largest(e), iterations, y[:POSE]
     # the coarse Jacobian serves for all steps that are left: each gains three digits or more
-    steps, best = step_count(f, _FINE), math.inf
+    worst = _largest(e)
     _scales(f, scale)
-    for _ in range(_CHORDS):
-        kept[:] = f
+    for chord in range(_CHORDS):
+        # from this near, one step is expected to end it; the mesh that judges it has nodes that the
+        # iteration has not seen
+        judged = worst < _NEAR
+        steps = step_count(f, _FINE if judged or chord > 0 else _MEDIUM)
+        if judged:
+            steps += steps // 4 + 1 + chord
         pivoted_step(jacobian, e, scale, a, d)
         for c in range(6):
             f[c] += d[c]
@@ -272,20 +277,16 @@ def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance, most):
         shoot(f, torsion_ratio, steps, POSE, y, k, z)
         end_error(y, position, quaternion, free_spin, f[5], e, jacobian, False)
         iterations += 1
-        if not _largest(e) < 0.3 * best:
-            f[:] = kept
+        previous, worst = worst, _largest(e)
+        if judged and worst < tolerance:
+            return CONVERGED, worst, iterations, y[:POSE]
+        # the first is seen on another mesh than the search's
+        if chord > 0 and not worst < 0.3 * previous:
             break
-        best = _largest(e)
-        if best < _SETTLED:
-            break
-    # the judge: a mesh whose nodes the iteration has not seen
-    shoot(f, torsion_ratio, steps + steps // 4 + 1, POSE, y, k, z)
-    end_error(y, position, quaternion, free_spin, f[5], e, jacobian, False)
-    residual = _largest(e)
-    return (CONVERGED if residual < tolerance else CHECK_FAILED), residual, iterations, y[:POSE]
+    return CHECK_FAILED, worst, iterations, y[:POSE]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def elastic_energy(f, position, torsion_ratio):
     """∫ ½(κ² + K30 τ²) ds of the rod with loads ``f`` ending at ``position``.
 

@@ -15,8 +15,8 @@ Nodes are crowded at the ends, where a tense rod has its boundary layers of widt
 import math
 
 import numpy as np
-from numba import njit
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._discrete import (
     assemble,
     factor,
@@ -40,7 +40,7 @@ _FLOOR, _SHIFT = 1e-6, 4.0
 _CLOSED, _BALANCED = 1e-4, 1e-3
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def graded_nodes(n, root, s):
     """Arc lengths s (n + 1,) with density 1 + (q/2)(e^(−qs) + e^(−q(1−s))), q = √F/2."""
     q = 0.5 * root
@@ -64,14 +64,14 @@ def graded_nodes(n, root, s):
     s[0], s[n] = 0.0, 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _axis_angle(x, y, z, angle, out):
     """Quaternion of a turn by ``angle`` about the unit vector (x, y, z)."""
     s = math.sin(0.5 * angle)
     out[0], out[1], out[2], out[3] = math.cos(0.5 * angle), s * x, s * y, s * z
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _layer(s, root, half_angle_tan):
     """Angle of a tail at distance ``s`` from its end: tan(θ/4) = tan(α/4) sinh(√f(1−s))/sinh √f."""
     if root < 1e-3:
@@ -83,7 +83,7 @@ def _layer(s, root, half_angle_tan):
     return 4.0 * math.atan(half_angle_tan * ratio)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def start_frames(position, quaternion, gap, free_spin, turns, side0, side1, n, s, frames, force):
     """Fill nodes ``s`` (n + 1,), ``frames`` (n + 2, 4) and ``force`` (3,) of the analytic start.
 
@@ -150,7 +150,7 @@ def start_frames(position, quaternion, gap, free_spin, turns, side0, side1, n, s
     force[0], force[1], force[2] = f * ex, f * ey, f * ez
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def align_spin(reference, q):
     """Turn q about its own d3 so that it differs from ``reference`` by a turn without twist."""
     p, conjugate = np.empty(4), np.empty(4)
@@ -160,7 +160,7 @@ def align_spin(reference, q):
     turn(q, 0.0, 0.0, -2.0 * math.atan2(p[3], p[0]))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def bow(frames, s, n, size, mode):
     """Bend the inner frames by smooth fixed rotations, to leave a symmetric start."""
     for i in range(n):
@@ -170,7 +170,7 @@ def bow(frames, s, n, size, mode):
         turn(frames[i + 1], other, slope, 0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def wave(frames, s, n, position, force, modes):
     """Bend the inner frames into ``modes`` half waves in the plane of d1, with their Euler load.
 
@@ -186,7 +186,7 @@ def wave(frames, s, n, position, force, modes):
         force[c] = -load * position[c] / max(length, 1e-9)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _imbalance(gradient, sides, force):
     """Largest component of the Lagrangian's gradient, relative to 1 + |F|."""
     size = math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
@@ -200,7 +200,7 @@ def _imbalance(gradient, sides, force):
     return worst / (1.0 + size)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _newton_step(
     diagonal, upper, gradient, sides, c, s, n, once, shift, inverse, x, schur_inverse, wanted, b
 ):  # fmt: skip
@@ -244,14 +244,14 @@ def _newton_step(
     return index, shift, downhill, largest
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _times(a, v, out):
     """Product a v of a (3, 3) and a (3,) array, into ``out``."""
     for i in range(3):
         out[i] = a[i, 0] * v[0] + a[i, 1] * v[1] + a[i, 2] * v[2]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _combine(x, wanted, gradient, b):
     """The step b = H⁻¹(−g + Cᵀ F): its slope g·b and its largest turn."""
     downhill, largest = 0.0, 0.0
@@ -267,7 +267,7 @@ def _combine(x, wanted, gradient, b):
     return downhill, math.sqrt(largest)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _line_search(
     frames, b, x, schur_inverse, s, n, blocks, position, k3, omega, energy, norm_c, mu, downhill, t,
     trial, trial_c,
@@ -297,7 +297,7 @@ def _line_search(
     return 0.0, energy
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _move(frames, b, x, t, corrected, extra, n, blocks, trial):
     """Fill ``trial`` with frames exp(t b), or frames exp(t b + W extra) with W = H⁻¹ Cᵀ."""
     for c in range(4):
@@ -315,7 +315,7 @@ def _move(frames, b, x, t, corrected, extra, n, blocks, trial):
         turn(trial[k + 1], v0, v1, v2)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def relax(position, quaternion, torsion_ratio, free_spin, n, s, frames, force, moment):
     """Minimize the energy of the discrete rod from ``frames`` (n + 2, 4), in place.
 
@@ -374,7 +374,7 @@ def relax(position, quaternion, torsion_ratio, free_spin, n, s, frames, force, m
     return False, math.inf, 0, _ITERATIONS
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _first_moment(omega, s, n, k3, moment):
     """M at s = 0: P m of the first hinge, whose left frame is the start frame."""
     x, y, z = omega[0, 0], omega[0, 1], omega[0, 2]
@@ -386,7 +386,7 @@ def _first_moment(omega, s, n, k3, moment):
     moment[2] = mz + 0.5 * (x * my - y * mx)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def unrelaxed_loads(frames, s, n, k3, force, load):
     """Loads (6,) of frames in no equilibrium: the force given, the first hinge's moment."""
     omega = np.empty((1, 3))
@@ -396,7 +396,7 @@ def unrelaxed_loads(frames, s, n, k3, force, load):
         load[c] = force[c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def hinge_poses(position, frames, s, n, torsion_ratio, m3, stride, node_s, node_pose):
     """Poses at every ``stride``-th hinge, without the extra spin of K30 ≠ 1, as start nodes.
 

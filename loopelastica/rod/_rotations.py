@@ -7,16 +7,17 @@ frame. All functions take and return plain arrays or tuples of floats.
 import math
 
 import numpy as np
-from numba import njit
+
+from loopelastica.rod._compiled import kernel
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def larger(a, b):
     """The larger of two numbers; NaN if either is, where max would hide it."""
     return a if a >= b or a != a else b
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def quaternion_from_matrix(r):
     """Unit quaternion of a rotation matrix (3, 3), by the largest of its four components."""
     q = np.empty(4)
@@ -44,31 +45,35 @@ def quaternion_from_matrix(r):
     return q
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
+def directors(q):
+    """d1, d2 and d3 of a unit quaternion (4,), as nine floats."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    return (
+        1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y),
+        2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x),
+        2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y),
+    )  # fmt: skip
+
+
+@kernel
 def matrix_from_quaternion(q):
     """Rotation matrix (3, 3) of a unit quaternion (4,)."""
-    w, x, y, z = q[0], q[1], q[2], q[3]
     r = np.empty((3, 3))
-    r[0, 0] = 1.0 - 2.0 * (y * y + z * z)
-    r[1, 1] = 1.0 - 2.0 * (x * x + z * z)
-    r[2, 2] = 1.0 - 2.0 * (x * x + y * y)
-    r[0, 1] = 2.0 * (x * y - w * z)
-    r[1, 0] = 2.0 * (x * y + w * z)
-    r[0, 2] = 2.0 * (x * z + w * y)
-    r[2, 0] = 2.0 * (x * z - w * y)
-    r[1, 2] = 2.0 * (y * z - w * x)
-    r[2, 1] = 2.0 * (y * z + w * x)
+    (
+        r[0, 0], r[1, 0], r[2, 0], r[0, 1], r[1, 1], r[2, 1], r[0, 2], r[1, 2], r[2, 2],
+    ) = directors(q)  # fmt: skip
     return r
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def tangent(q):
     """Third column d3 of the rotation, as three floats."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def spin(q, angle):
     """Turn the frame ``q`` about its own d3 by ``angle``, in place."""
     c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
@@ -79,7 +84,7 @@ def spin(q, angle):
     q[3] = z * c + w * s
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def rotation_vector(q, p):
     """Rotation vector (space frame) that carries the frame ``p`` to the frame ``q``.
 
@@ -98,7 +103,7 @@ def rotation_vector(q, p):
     return factor * x, factor * y, factor * z
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def log_jacobian_inverse(v):
     """Inverse left Jacobian of SO(3) at the rotation vector ``v``.
 

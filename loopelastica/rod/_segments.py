@@ -21,8 +21,8 @@ over the whole rod becomes exp(√F/m) over a segment.
 import math
 
 import numpy as np
-from numba import njit
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._newton import pivoted_step
 from loopelastica.rod._rotations import larger, rotation_vector, spin, tangent
 from loopelastica.rod._shooting import POSE, WITH_JACOBIAN, march
@@ -33,7 +33,7 @@ _CAP = 0.4
 _SETTLED = 1e-10
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _steps(f, h, density):
     """Steps over a segment of length ``h``: ``density`` per radian of the fastest turning."""
     force = math.sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2])
@@ -42,7 +42,7 @@ def _steps(f, h, density):
     return 1 + int(density * h * max(root, moment + 0.5 * min(force * h, root)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def end_clamp(quaternion, torsion_ratio, free_spin, g, q):
     """Last frame without the extra spin of K30 ≠ 1, into ``q``; g[5] is M3 or the free turn."""
     for c in range(4):
@@ -53,7 +53,7 @@ def end_clamp(quaternion, torsion_ratio, free_spin, g, q):
         spin(q, -g[5] * (1.0 / torsion_ratio - 1.0))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _integrate(g, free_spin, node, h, density, size, f, y, k, z):
     """The end of one segment from its node (7,), into ``y`` (positions relative to the node).
 
@@ -75,7 +75,7 @@ def _integrate(g, free_spin, node, h, density, size, f, y, k, z):
     return steps
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def gaps(g, torsion_ratio, free_spin, node_s, node_pose, density, f, y, k, z):
     """Largest mismatch (position, rotation vector) between segments' ends and next nodes.
 
@@ -101,12 +101,12 @@ def gaps(g, torsion_ratio, free_spin, node_s, node_pose, density, f, y, k, z):
     return math.inf, math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _cross(ax, ay, az, bx, by, bz):
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _rows(y, f, node, t, b):
     """Segment matrices from its variations: end = t x_k + b g, x = (δθ, δr); (6, 6) each."""
     rho = y[:3]
@@ -139,7 +139,7 @@ def _rows(y, f, node, t, b):
             b[i, j] += b[i, 3] * mx + b[i, 4] * my + b[i, 5] * mz
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def forward(g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k, z, t, b):
     """Eliminate the inner nodes; rows in (x_m, g) remain in ``work[:6]``. Returns the mismatch."""
     worst = 0.0
@@ -179,7 +179,7 @@ def forward(g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k
     return worst if worst == worst else math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _pivot(work):
     """Eliminate the first six columns of ``work`` (12, 19) by partial pivoting; False if none."""
     for p in range(6):
@@ -201,7 +201,7 @@ def _pivot(work):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def backward(kept, last, du, x):
     """Node moves ``x`` (m + 1, 6) from the scaled load step ``du`` and the last node's ``last``."""
     m = x.shape[0] - 1
@@ -218,7 +218,7 @@ def backward(kept, last, du, x):
             x[i, p] = value / kept[i, p, p]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _linear(
     g, quaternion, torsion_ratio, free_spin, node_s, node_pose, density, scale,
     drop, work, kept, f, y, k, z, x, dg,
@@ -256,7 +256,7 @@ def _linear(
     return worst
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def apply(x, dg, t, g, node_pose, quaternion, torsion_ratio, free_spin):
     """Move nodes and loads by the fraction ``t`` of the step."""
     m = node_pose.shape[0] - 1
@@ -282,7 +282,7 @@ def apply(x, dg, t, g, node_pose, quaternion, torsion_ratio, free_spin):
     end_clamp(quaternion, torsion_ratio, free_spin, g, node_pose[m, 3:])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, iterations):
     """Newton's method on nodes and loads, in place.
 

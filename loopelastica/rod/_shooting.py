@@ -25,8 +25,8 @@ each, one per component of f. Without the Jacobian only the first 7 are integrat
 import math
 
 import numpy as np
-from numba import njit
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._dop853 import STAGES as _STAGES
 from loopelastica.rod._dop853 import STRIDE, stage
 from loopelastica.rod._rotations import spin, tangent
@@ -35,20 +35,20 @@ POSE = 7
 WITH_JACOBIAN = STRIDE
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def moment_bound(f):
     """Largest |M(s)| any rod with these loads can have (from the constant Hamiltonian)."""
     force = math.sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2])
     return math.sqrt(max(f[3] * f[3] + f[4] * f[4] + f[5] * f[5] + 2.0 * f[2] + 2.0 * force, force))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def step_count(f, density):
     """Steps for a unit length: ``density`` per radian of the fastest turning."""
     return 2 + int(density * min(moment_bound(f), 1e6))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def slope(f, y, k, o, size):
     """Slopes of the rod and, if ``size`` is 43, of its variations, into ``k[o:]``."""
     fx, fy, fz = f[0], f[1], f[2]
@@ -88,7 +88,7 @@ def slope(f, y, k, o, size):
     k[o + 24] += 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def march(f, y, length, n, size, k, z):
     """Carry the state ``y`` over ``length`` in ``n`` equal steps, in place.
 
@@ -106,7 +106,7 @@ def march(f, y, length, n, size, k, z):
             y[c] *= norm
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def start(y):
     """Set ``y`` to the clamped start: origin, identity, no variation."""
     for c in range(WITH_JACOBIAN):
@@ -114,7 +114,7 @@ def start(y):
     y[3] = 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def shoot(f, torsion_ratio, n, size, y, k, z):
     """The end s = 1 of the rod with loads ``f`` (6,), in ``n`` steps, into ``y``.
 
@@ -133,7 +133,7 @@ def shoot(f, torsion_ratio, n, size, y, k, z):
             y[24] += tz * excess
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def ends(loads, torsion_ratio, density):
     """End poses of many rods: loads (n, 6) to positions (n, 3) and quaternions (n, 4)."""
     n = loads.shape[0]
@@ -146,7 +146,7 @@ def ends(loads, torsion_ratio, density):
     return positions, quaternions
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def sample(f, torsion_ratio, node_s, node_pose, s, density):
     """Poses (n, 7) at the sorted arc lengths ``s`` (n,), each from the node before it.
 

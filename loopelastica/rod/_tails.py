@@ -26,8 +26,8 @@ longer do, errors of which grow like exp √f.
 import math
 
 import numpy as np
-from numba import njit
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._rotations import (
     larger,
     matrix_from_quaternion,
@@ -47,13 +47,13 @@ _MAX_RATIO = 8.0
 _SLACK = 10.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def wrap(angle):
     """The angle modulo 2π in [−π, π)."""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def multiply(p, q, out):
     """Quaternion product p q into ``out``, which may be neither."""
     out[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
@@ -62,7 +62,7 @@ def multiply(p, q, out):
     out[3] = p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def align(ex, ey, ez, out):
     """Shortest rotation that carries e3 to the unit vector e, as a quaternion into ``out``."""
     if ez > -0.999999:
@@ -74,7 +74,7 @@ def align(ex, ey, ez, out):
         out[0], out[1], out[2], out[3] = -ey / norm, 0.5 * norm, 0.0, ex / norm
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def end_angles(w, x, y, z):
     """ZYZ angles (φ, α, χ) of a quaternion, accurate at α = 0 and π too."""
     alpha = 2.0 * math.atan2(math.sqrt(x * x + y * y), math.sqrt(w * w + z * z))
@@ -83,7 +83,7 @@ def end_angles(w, x, y, z):
     return 0.5 * (total + difference), alpha, 0.5 * (total - difference)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _tilted(q0, u, v, out):
     """Q0 turned by the rotation vector (u, v, 0) of its own frame."""
     a = math.sqrt(u * u + v * v)
@@ -93,7 +93,7 @@ def _tilted(q0, u, v, out):
     multiply(q0, step, out)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _equations(x, q0, position, quaternion, torsion_ratio, free_spin, reference, gap, e, q, p):
     """The six residuals ``e`` at x = (tilts, ln √f, β, δ0, δ1); Q goes into ``q``.
 
@@ -137,7 +137,7 @@ def _equations(x, q0, position, quaternion, torsion_ratio, free_spin, reference,
     return root
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _solve6(a, b):
     """Gaussian elimination with partial pivoting, in place; b becomes the solution."""
     n = 6
@@ -164,13 +164,13 @@ def _solve6(a, b):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _weight(root):
     """Position errors count in units of the tails' width, as far as rounding lets them."""
     return 0.5 * min(root, 1e4)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _weighted(e, root, out):
     """Residuals with weighted position; returns their l1 norm."""
     total = 0.0
@@ -180,7 +180,7 @@ def _weighted(e, root, out):
     return total if total == total else math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def planar_start(position, quaternion, gap, side0, side1):
     """First guess of the axis and of √f: planar tails (β = 0), by fixed-point rounds.
 
@@ -230,7 +230,7 @@ def planar_start(position, quaternion, gap, side0, side1):
     return root, ex, ey, ez
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def end_turn(quaternion, q):
     """φ + χ gained from the start to the end frame about the axis of ``q``, in [−π, π)."""
     phi0, _, chi0 = end_angles(q[0], -q[1], -q[2], -q[3])
@@ -241,7 +241,7 @@ def end_turn(quaternion, q):
     return wrap(phi1 + chi1 - phi0 - chi0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def tail_newton(x, q0, position, quaternion, gap, torsion_ratio, free_spin, reference, out):
     """Newton from x = (0, 0, ln √f, β, δ0, δ1) about the axis frame ``q0``.
 
@@ -303,7 +303,7 @@ def tail_newton(x, q0, position, quaternion, gap, torsion_ratio, free_spin, refe
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _pack(x, q, quaternion, position, out):
     """The solution as 20 floats.
 
@@ -341,13 +341,13 @@ def _pack(x, q, quaternion, position, out):
     out[19] = phi0 + chi0 + m3 + 2.0 * (x[4] + x[5] - 2.0 * beta) - phi1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def tails_apart(tail):
     """Whether the two tails are closed-form exact: they do not feel each other."""
     return tail[17] < _MEETING
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def tail_loads(tail, f):
     """Loads (6,) at s = 0 in the start frame."""
     root, beta = tail[4], tail[5]
@@ -364,7 +364,7 @@ def tail_loads(tail, f):
     f[5] = m3
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _azimuth(x, beta):
     """The part of φ that the tail turns quickly: atan(cot β tanh X), continuous in X."""
     k, c = math.cos(beta), math.sin(beta)
@@ -373,7 +373,7 @@ def _azimuth(x, beta):
     return math.atan2(k * math.tanh(x), c)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def tail_pose(tail, distance, from_end, pose, moment):
     """Pose (7,) and moment (3,), K30 = 1, at ``distance`` from the start or from the end.
 
@@ -431,7 +431,7 @@ def tail_pose(tail, distance, from_end, pose, moment):
     pose[6] = q0 * z_ + q1 * y - q2 * x_ + q3 * w
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def tail_energy(tail, torsion_ratio):
     """∫ ½(κ² + K30 τ²) ds: f times the shortening, and the twist."""
     root, beta = tail[4], tail[5]
@@ -448,7 +448,7 @@ def tail_energy(tail, torsion_ratio):
     return shortening + 0.5 * m3 * m3 / torsion_ratio
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _pose_distance(a, b):
     """Largest component of position difference and rotation vector between two poses."""
     vx, vy, vz = rotation_vector(a[3:POSE], b[3:POSE])
@@ -458,7 +458,7 @@ def _pose_distance(a, b):
     return worst if worst == worst else math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def check_tails(tail, quaternion, torsion_ratio, free_spin):
     """Largest error of a tail solution, by integration between points crowded into the layers.
 
@@ -519,7 +519,7 @@ def check_tails(tail, quaternion, torsion_ratio, free_spin):
     return larger(worst, _pose_distance(pose, ahead))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def solve_tails(
     position, quaternion, gap, torsion_ratio, free_spin, turns, side0, side1, tail
 ):  # fmt: skip
@@ -552,7 +552,7 @@ def solve_tails(
         ratio = min(1.5 * ratio, torsion_ratio)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def sample_tails(tail, torsion_ratio, s):
     """Poses (n, 7) at arc lengths ``s`` (n,), with the extra spin of K30 ≠ 1."""
     out, moment = np.empty((s.shape[0], POSE)), np.empty(3)

@@ -204,8 +204,8 @@ def _stored(clamping: Clamping, torsion_ratio: float, count: int) -> Array:
     from loopelastica.rod.stored import stored_rods
 
     stored = stored_rods(torsion_ratio, clamping.free_spin)
-    loads: Array = stored.nearest(clamping.position[None], clamping.rotation[None], count)[0]
-    return loads
+    loads, _ = stored.nearest(clamping.position[None], clamping.rotation[None], count)
+    return loads[0]
 
 
 def _nearly_in_line(clamping: Clamping) -> bool:

@@ -35,6 +35,7 @@ METHODS = (
     "discrete rod + multiple shooting",
     "discrete rod + tails",
     "continuation from a near clamping",
+    "discrete rod + shooting",
 )
 
 

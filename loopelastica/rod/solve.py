@@ -33,8 +33,9 @@ _SOFT_RATIO = 0.1
 # |η| above this is the straight rod or out of reach: the load of a bent one exceeds 1e17
 _STRAIGHT = 1e-9
 _CHUNK = 1024
-# stored rods tried for each row of a batch
-_NEIGHBOURS = 2
+# stored rods tried for each row of a batch, and how near they must be: further ones lead nowhere
+# more often than they spare the cascade
+_NEIGHBOURS, _NEAR = 5, 0.22
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -216,6 +217,8 @@ def from_record(
     known = (clamping, torsion_ratio, loads, energy, residual, status, METHODS[method])
     if not method:
         return Equilibrium(*known)
+    if METHODS[method].endswith("shooting") and segments == 0:
+        return Equilibrium(*known)
     if segments == 0:
         return Equilibrium(*known, tail=tail)
     return Equilibrium(*known, node_s[: segments + 1], node_pose[: segments + 1])
@@ -337,16 +340,16 @@ def _solve_rows(
     from loopelastica.rod._cascade import run_batch
 
     n = len(rows)
-    guesses = np.zeros((n, 0, 6))
+    guesses, known = np.zeros((n, 0, 6)), np.zeros(n, dtype=np.int64)
     if not lowest:
         from loopelastica.rod.stored import stored_rods
 
         stored = stored_rods(torsion_ratio, free_spin)
-        guesses = stored.nearest(positions[rows], rotations[rows], _NEIGHBOURS)
+        guesses, known = stored.nearest(positions[rows], rotations[rows], _NEIGHBOURS, _NEAR)
     loads, energy, residual = np.zeros((n, 6)), np.full(n, np.inf), np.full(n, np.inf)
     method = np.zeros(n, dtype=np.int64)
     run_batch(
-        positions[rows], _quaternions(rotations[rows]), torsion_ratio, free_spin, guesses,
+        positions[rows], _quaternions(rotations[rows]), torsion_ratio, free_spin, guesses, known,
         starts(torsion_ratio, free_spin), lowest, TOLERANCE, loads, energy, residual, method,
     )  # fmt: skip
     for i in np.flatnonzero(method == 0):

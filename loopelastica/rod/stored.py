@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from loopelastica._data import data_path
 from loopelastica.rod._shooting import ends
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
 _WEIGHT = 0.5
 _FILE = "rods.npz"
 _SEED, _SIZE = 20180717, 40_000
-# |F| beyond which errors of the loads, growing like exp √F, spoil the end pose
-_SHOOTABLE = 250.0
+# |F| beyond which no pose nearby was reached from stored loads: errors of those grow like exp √F
+_SHOOTABLE = 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +45,20 @@ class StoredRods:
     tree: "KDTree"
     free_spin: bool
 
-    def nearest(self, positions: Array, rotations: Array, count: int) -> Array:
-        """Loads (m, count, 6) of the ``count`` stored rods nearest to each of m poses."""
+    def nearest(
+        self, positions: Array, rotations: Array, count: int, within: float = np.inf
+    ) -> tuple[Array, NDArray[np.intp]]:
+        """Loads (m, count, 6) of the ``count`` stored rods nearest to each of m poses.
+
+        Also how many of each row (m,), nearest first, are not further than ``within``; the loads
+        after these mean nothing.
+        """
         points, angles = _points(positions, rotations, self.free_spin)
-        _, index = self.tree.query(points, k=np.arange(1, count + 1))
-        return _turn_loads(self.loads[index], angles[:, None])
+        ranks = np.arange(1, count + 1)
+        distance, index = self.tree.query(points, k=ranks, distance_upper_bound=within)
+        known = np.isfinite(distance).sum(axis=1)
+        index = np.where(np.isfinite(distance), index, 0)
+        return _turn_loads(self.loads[index], angles[:, None]), known
 
 
 def _turn_loads(loads: Array, angles: Array) -> Array:
@@ -77,19 +87,19 @@ def _points(positions: Array, rotations: Array, free_spin: bool) -> tuple[Array,
 
 
 def draw_loads(size: int, rng: np.random.Generator) -> Array:
-    """Random loads (size, 6): |F| below 60, |M| below 12, uniform, directions uniform."""
+    """Random loads (size, 6): |F| and |M| uniform, directions uniform."""
     directions = rng.normal(size=(2, size, 3))
     directions /= np.linalg.norm(directions, axis=2, keepdims=True)
     return np.hstack(
         [
-            rng.uniform(0.0, 60.0, (size, 1)) * directions[0],
+            rng.uniform(0.0, _SHOOTABLE, (size, 1)) * directions[0],
             rng.uniform(0.0, 12.0, (size, 1)) * directions[1],
         ]
     )
 
 
 def draw_lowest(size: int, free_spin: bool, rng: np.random.Generator) -> Array:
-    """Loads (about size, 6) of the lowest rods of random poses that can be shot from one end."""
+    """Loads (less than size, 6) of those lowest rods of random poses that loads can tell."""
     from scipy.spatial.transform import Rotation
 
     from loopelastica.rod.solve import solve_batch

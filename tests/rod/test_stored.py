@@ -23,8 +23,17 @@ def test_a_stored_rod_is_its_own_nearest_neighbour_after_any_turn_of_the_start_f
         rotations = (
             turn * Rotation.from_quat(quaternions, scalar_first=True) * turn.inv()
         ).as_matrix()
-        nearest = stored_rods(torsion_ratio, False).nearest(turn.apply(positions), rotations, 1)[
-            :, 0
-        ]
+        nearest, known = stored_rods(torsion_ratio, False).nearest(
+            turn.apply(positions), rotations, 2, within=1e-3
+        )
+        assert (known >= 1).all()
         for part in (slice(0, 3), slice(3, 6)):
-            np.testing.assert_allclose(nearest[:, part], turn.apply(loads[:, part]), atol=1e-4)
+            np.testing.assert_allclose(
+                nearest[:, 0, part], turn.apply(loads[:, part]), atol=1e-4
+            )
+
+
+def test_no_rod_is_known_where_none_is_near():
+    far = np.array([[0.0, 0.0, -0.9999]])
+    _, known = stored_rods(1.0, False).nearest(far, np.eye(3)[None], 3, within=0.05)
+    assert known[0] == 0
