@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from loopelastica.rod._compiled import kernel
+from loopelastica.rod._compiled import driver, kernel
 from loopelastica.rod._newton import CONVERGED, elastic_energy, newton
 from loopelastica.rod._relaxation import (
     SEGMENTS,
@@ -58,7 +58,7 @@ _DROP = 1e-12
 _DIRECTIONS = 12
 
 # Newton steps that a stored rod is given to come near: one that needs more seldom does
-_HASTE = 8
+_HASTE = 4
 # √F below which one shot from the start is accurate; Newton steps that a discrete rod is given, and
 # how far, relative to their size, its loads may go: further, it would be another rod
 _LOOSE, _STEPS, _SAME = 6.0, 4, 0.1
@@ -93,7 +93,7 @@ _RETRIES = np.array(
 _STRAIGHTISH, _OPPOSED = 0.05, -0.8
 
 
-@kernel
+@driver
 def _accept_tails(tail, quaternion, torsion_ratio, free_spin, tolerance, loads):
     """(residual, energy) of a tail solution and its loads; residual inf if it is none."""
     if not tails_apart(tail):
@@ -107,7 +107,7 @@ def _accept_tails(tail, quaternion, torsion_ratio, free_spin, tolerance, loads):
     return residual, tail_energy(tail, torsion_ratio)
 
 
-@kernel
+@driver
 def _accept_nodes(
     quaternion, position, torsion_ratio, free_spin, node_s, node_pose, m, tolerance, loads
 ):
@@ -166,7 +166,7 @@ def _near_one_line(position, quaternion):
     return math.sqrt(tx * tx + ty * ty) < 0.01 and across <= 0.01 * size + 1e-4
 
 
-@kernel
+@driver
 def _from_tails(
     tail, position, quaternion, torsion_ratio, free_spin, tolerance, loads, node_s, node_pose
 ):
@@ -193,7 +193,7 @@ def _from_tails(
     return residual, energy, m
 
 
-@kernel
+@driver
 def _settle_tails(
     tail, position, quaternion, torsion_ratio, free_spin, tolerance, loads, node_s, node_pose
 ):  # fmt: skip
@@ -251,7 +251,7 @@ def _tails_from_loads(loads, position, quaternion, gap, torsion_ratio, free_spin
     return tail_newton(x, q0, position, quaternion, gap, torsion_ratio, free_spin, reference, tail)
 
 
-@kernel
+@driver
 def _relax_start(position, quaternion, gap, ratio, free_spin, start, n, s, frames, load):
     """The discrete rod of one start: its energy, or inf; ``load`` (6,) is F and M at s = 0."""
     force, moment = np.empty(3), np.empty(3)
@@ -273,7 +273,7 @@ def _relax_start(position, quaternion, gap, ratio, free_spin, start, n, s, frame
     return energy if found else math.inf
 
 
-@kernel
+@driver
 def _finish(
     position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, relaxed, n, s, frames, load,
     tolerance, loads, node_s, node_pose, tail,
@@ -341,7 +341,7 @@ def _finish(
     return NONE, math.inf, math.inf, 0
 
 
-@kernel
+@driver
 def _worthwhile(start, position, quaternion, gap, free_spin):
     """Whether a start can lead to the lowest rod of a nearly straight clamping.
 
@@ -367,7 +367,7 @@ def _worthwhile(start, position, quaternion, gap, free_spin):
     return abs(end_turn(quaternion, q) + 2.0 * math.pi * start[0]) < math.pi + 1.0
 
 
-@kernel
+@driver
 def _begin(
     position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, start, n, s, frames, load,
     tail,
@@ -389,7 +389,7 @@ def _begin(
     return (RELAXED if energy < math.inf else NONE), energy
 
 
-@kernel
+@driver
 def _end(
     kind, position, quaternion, gap, torsion_ratio, relaxed_ratio, free_spin, start, n, s, frames,
     load, start_tail, tolerance, loads, node_s, node_pose, tail,
@@ -416,7 +416,7 @@ def _end(
     )  # fmt: skip
 
 
-@kernel
+@driver
 def run_start(
     position, quaternion, torsion_ratio, free_spin, start, tolerance,
     loads, node_s, node_pose, tail,
@@ -448,7 +448,7 @@ def _gap(position):
     return (1.0 - squares) / (1.0 + math.sqrt(squares))
 
 
-@kernel
+@driver
 def run_starts(
     position, quaternion, torsion_ratio, free_spin, starts, lowest, tolerance,
     loads, node_s, node_pose, tail,
@@ -528,7 +528,7 @@ def run_starts(
     return best
 
 
-@kernel
+@driver
 def _keep(result, best, scratch, loads, node_s, node_pose, tail):
     """The better of two results; the record of a new one is copied from the scratch arrays."""
     if not result[2] < best[2]:
@@ -544,7 +544,7 @@ def _keep(result, best, scratch, loads, node_s, node_pose, tail):
 @kernel
 def _seen(load, ended, i):
     """Whether a start that has come to its end was at the same rod half way as start ``i``."""
-    for j in range(load.shape[0]):
+    for j in range(load.shape[0]):  # noqa: SIM110 (numba compiles no generators)
         if ended[j] and _apart(load[i], load[j]) < 1e-3:
             return True
     return False
@@ -565,7 +565,7 @@ def run_batch(
     positions, quaternions, torsion_ratio, free_spin, guesses, known, starts, lowest, tolerance,
     loads, energies, residuals, methods,
 ):  # fmt: skip
-    """Many poses: Newton's method from the ``known`` (n,) of ``guesses`` (n, g, 6), `run_starts`."""
+    """Many poses: Newton's method from ``known`` (n,) of ``guesses`` (n, g, 6), or `run_starts`."""
     tail, node_s, node_pose = np.zeros(SIZE), np.empty(NODES), np.empty((NODES, 7))
     for i in range(positions.shape[0]):
         # no stored rod is that nearly straight

@@ -1,5 +1,12 @@
-"""How functions are compiled: the one place where numba's options stand."""
+"""How functions are compiled: the one place where numba's options stand.
 
+Compiling is what a first call waits for: the whole cascade takes half a minute. So functions are of
+two kinds. Kernels do the arithmetic and are always compiled. Drivers choose which kernels to call;
+called from Python they are interpreted, so that only those kernels are compiled that the case at
+hand comes to, and called from a kernel (`solve_batch`) they are compiled with it.
+"""
+
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -26,3 +33,19 @@ def kernel(function: Callable[..., Any]) -> Any:
 
     compiled.get_call_template = without_constants
     return compiled
+
+
+class driver:  # noqa: N801 (a decorator)
+    """A function that Python interprets, and that kernels call as a compiled one."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        functools.update_wrapper(self, function)
+        self._interpreted = function
+        self._compiled = kernel(function)
+
+    def __call__(self, *args: Any) -> Any:
+        return self._interpreted(*args)
+
+    @property
+    def _numba_type_(self) -> Any:
+        return types.Dispatcher(self._compiled)

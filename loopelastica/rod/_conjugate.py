@@ -57,16 +57,15 @@ def sign_changes(loads, torsion_ratio, free_spin, s, poses):
     ``poses`` (n, 7) without the extra spin of K30 ≠ 1, from s = 0 on. Near the start det V grows
     like a power of s without changing sign: points before 0.02 are left out.
     """
-    g = loads.copy()
     v, t, b, work = np.zeros((6, 6)), np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
     f = np.empty(6)
     y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
     excess = 0.0 if free_spin else 1.0 / torsion_ratio - 1.0
     previous, changes = 0.0, 0
-    scale_f = max(10.0, math.sqrt(g[0] ** 2 + g[1] ** 2 + g[2] ** 2))
+    scale_f = max(10.0, math.sqrt(loads[0] ** 2 + loads[1] ** 2 + loads[2] ** 2))
     for i in range(s.shape[0] - 1):
-        # M3 is in g[5] in either case: it is zero for a free spin
-        _integrate(g, False, poses[i], s[i + 1] - s[i], 3.0, WITH_JACOBIAN, f, y, k, z)
+        # M3 is in loads[5] in either case: it is zero for a free spin
+        _integrate(loads, False, poses[i], s[i + 1] - s[i], 3.0, WITH_JACOBIAN, f, y, k, z)
         _rows(y, f, poses[i], t, b)
         for r in range(6):
             for c in range(6):
@@ -74,7 +73,9 @@ def sign_changes(loads, torsion_ratio, free_spin, s, poses):
                 for j in range(6):
                     total += t[r, j] * v[j, c]
                 work[r, c] = total
-        v[:, :] = work
+        for r in range(6):
+            for c in range(6):
+                v[r, c] = work[r, c]
         if s[i + 1] < 0.02 or i + 2 == s.shape[0]:
             continue
         m = matrix_from_quaternion(poses[i + 1, 3:])

@@ -30,8 +30,10 @@ _COARSE, _MEDIUM, _FINE = 0.45, 1.4, 2.5
 _SWITCH = 1e-3
 # steps with its last Jacobian, and the error from which one more is expected to be the last
 _CHORDS, _NEAR = 8, 1e-7
+# relative size of a pivot that is rounding
+_DROP = 1e-11
 # growth exp(√F) of an error over the length: beyond, loads at one end do not fix the other end
-_MAX_RATE = 400.0
+_MAX_RATE = 80.0
 
 
 @kernel
@@ -130,13 +132,12 @@ def marquardt_step(jacobian, e, scale, nu, a, d):
 
 
 @kernel
-def pivoted_step(jacobian, e, scale, a, d, drop=1e-11):
+def pivoted_step(jacobian, e, scale, a, d, drop):
     """Newton step −J⁻¹e by complete pivoting; directions with pivots below ``drop`` stay put."""
     n = 6
-    order = np.arange(n)
-    rhs = np.empty(n)
+    order, rhs = np.empty(n, np.int64), np.empty(n)
     for i in range(n):
-        rhs[i] = -e[i]
+        order[i], rhs[i] = i, -e[i]
         for j in range(n):
             a[i, j] = jacobian[i, j] * scale[j]
     first = 0.0
@@ -192,17 +193,20 @@ def _search(
 ):  # fmt: skip
     """Levenberg–Marquardt on the coarse mesh down to ``_SWITCH``; f, e and jacobian in place.
 
-    Returns status and iterations.
+    Takes ``most`` steps, and more as long as each halves the error. Returns status and iterations.
     """
     a, d, scale = np.empty((6, 6)), np.empty(6), np.empty(6)
     trial, trial_e, trial_jacobian = np.empty(6), np.empty(6), np.empty((6, 6))
     nu, growth = 1e-3, 2.0
     shoot(f, torsion_ratio, step_count(f, _COARSE), WITH_JACOBIAN, y, k, z)
     end_error(y, position, quaternion, free_spin, f[5], e, jacobian, True)
-    cost = _squares(e)
-    for iteration in range(most):
+    cost, before = _squares(e), math.inf
+    iteration = 0
+    while iteration < most or cost < 0.25 * before:
         if _largest(e) < _SWITCH:
             return CONVERGED, iteration
+        iteration += 1
+        before = cost
         _scales(f, scale)
         gain = -1.0
         if marquardt_step(jacobian, e, scale, nu, a, d):
@@ -224,20 +228,21 @@ def _search(
                 gain = (cost - _squares(trial_e)) / max(predicted, 1e-300)
         if gain > 1e-4:
             slowed = cost - _squares(trial_e) < 1e-3 * cost and _largest(trial_e) > 100.0 * _SWITCH
-            f[:] = trial
-            e[:] = trial_e
-            jacobian[:, :] = trial_jacobian
+            for c in range(6):
+                f[c], e[c] = trial[c], trial_e[c]
+                for j in range(6):
+                    jacobian[c, j] = trial_jacobian[c, j]
             cost = _squares(e)
             nu *= max(0.1, 1.0 - (2.0 * gain - 1.0) ** 3)
             growth = 2.0
             if slowed and nu > 1e-2:
-                return STALLED, iteration + 1
+                return STALLED, iteration
             continue
         nu *= growth
         growth *= 2.0
         if nu > 1e8:
-            return STALLED, iteration + 1
-    return TOO_MANY_ITERATIONS, most
+            return STALLED, iteration
+    return TOO_MANY_ITERATIONS, iteration
 
 
 @kernel
@@ -269,7 +274,7 @@ def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance, most):
         steps = step_count(f, _FINE if judged or chord > 0 else _MEDIUM)
         if judged:
             steps += steps // 4 + 1 + chord
-        pivoted_step(jacobian, e, scale, a, d)
+        pivoted_step(jacobian, e, scale, a, d, _DROP)
         for c in range(6):
             f[c] += d[c]
         if free_spin:

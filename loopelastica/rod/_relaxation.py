@@ -367,10 +367,12 @@ def relax(position, quaternion, torsion_ratio, free_spin, n, s, frames, force, m
         if taken == t:
             shift = 0.25 * shift if shift > 0.5 * _SHIFT else _FLOOR
         energy = value
-        c[:] = trial_c
-        frames[:, :] = trial
         for i in range(3):
+            c[i] = trial_c[i]
             force[i] += taken * (wanted[i] - force[i])
+        for k in range(n + 2):
+            for i in range(4):
+                frames[k, i] = trial[k, i]
     return False, math.inf, 0, _ITERATIONS
 
 

@@ -232,8 +232,9 @@ def _linear(
     # the last node is the clamp: it turns about its tangent with g[5] alone
     tx, ty, tz = tangent(node_pose[m, 3:])
     rate = 1.0 if free_spin else -(1.0 / torsion_ratio - 1.0)
-    last, right, end = np.empty((6, 6)), np.empty(6), np.zeros(6)
+    last, right, ones, end = np.empty((6, 6)), np.empty(6), np.empty(6), np.zeros(6)
     for r in range(6):
+        ones[r] = 1.0
         for c in range(6):
             last[r, c] = work[r, 12 + c]
         last[r, 5] += rate * scale[5] * (work[r, 0] * tx + work[r, 1] * ty + work[r, 2] * tz)
@@ -246,7 +247,6 @@ def _linear(
         for c in range(6):
             last[r, c] /= size
         right[r] /= size
-    ones = np.ones(6)
     pivoted_step(last, right, ones, t, dg, drop)
     turn = rate * scale[5] * dg[5]
     end[0], end[1], end[2] = turn * tx, turn * ty, turn * tz

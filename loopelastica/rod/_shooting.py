@@ -141,8 +141,10 @@ def ends(loads, torsion_ratio, density):
     y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(_STAGES * WITH_JACOBIAN)
     for i in range(n):
         shoot(loads[i], torsion_ratio, step_count(loads[i], density), POSE, y, k, z)
-        positions[i] = y[:3]
-        quaternions[i] = y[3:POSE]
+        for c in range(3):
+            positions[i, c] = y[c]
+        for c in range(4):
+            quaternions[i, c] = y[3 + c]
     return positions, quaternions
 
 
@@ -157,18 +159,20 @@ def sample(f, torsion_ratio, node_s, node_pose, s, density):
     y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(_STAGES * WITH_JACOBIAN)
     rate = density * min(moment_bound(f), 1e6)
     excess = 1.0 / torsion_ratio - 1.0
-    node = 0
-    at = node_s[0]
-    y[:POSE] = node_pose[0]
+    node, at = 0, node_s[0]
+    for c in range(POSE):
+        y[c] = node_pose[0, c]
     for i in range(s.shape[0]):
         while node + 1 < node_s.shape[0] and node_s[node + 1] <= s[i]:
             node += 1
             at = node_s[node]
-            y[:POSE] = node_pose[node]
+            for c in range(POSE):
+                y[c] = node_pose[node, c]
         if s[i] > at:
             march(f, y, s[i] - at, 1 + int(rate * (s[i] - at)), POSE, k, z)
             at = s[i]
-        out[i] = y[:POSE]
+        for c in range(POSE):
+            out[i, c] = y[c]
         if excess != 0.0:
             spin(out[i, 3:POSE], f[5] * excess * s[i])
     return out

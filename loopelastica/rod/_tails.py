@@ -27,7 +27,7 @@ import math
 
 import numpy as np
 
-from loopelastica.rod._compiled import kernel
+from loopelastica.rod._compiled import driver, kernel
 from loopelastica.rod._rotations import (
     larger,
     matrix_from_quaternion,
@@ -519,7 +519,7 @@ def check_tails(tail, quaternion, torsion_ratio, free_spin):
     return larger(worst, _pose_distance(pose, ahead))
 
 
-@kernel
+@driver
 def solve_tails(
     position, quaternion, gap, torsion_ratio, free_spin, turns, side0, side1, tail
 ):  # fmt: skip

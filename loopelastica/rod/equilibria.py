@@ -8,7 +8,7 @@ no cost, and two results are one if they agree after such a turn.
 
 From how often each equilibrium was hit follows how much is still unseen (Good–Turing: the share of
 hits that were first and only ones is the chance that the next start finds something new). Rounds
-go on, to more turns, stronger kicks and farther stored rods, until that falls under `UNSEEN` or
+go on, to more turns and farther stored rods, until that falls under `UNSEEN` or
 the starts are used up.
 """
 
@@ -55,17 +55,10 @@ _ROUNDS = (
         (
             *((n, 0, 0, -waves) for n in (1, -1) for waves in _WAVES),
             *((n, *sides, kick) for kick in (0, -1) for n in (2, -2) for sides in _SIDES),
-            *((n, 0, 0, kick) for kick in (0.3, 0.8) for n in (0, 1, -1)),
         ),
         32,
     ),
-    (
-        (
-            *((n, *sides, kick) for kick in (0, -1) for n in (3, -3, 4, -4) for sides in _SIDES),
-            *((n, 0, 0, kick) for kick in (1.5, 3.0) for n in (0, 1, -1, 2, -2)),
-        ),
-        64,
-    ),
+    (tuple((n, *sides, kick) for kick in (0, -1) for n in (3, -3, 4, -4) for sides in _SIDES), 64),
     ((), 128),
 )
 _FREE_ROUNDS = (
@@ -205,7 +198,8 @@ def _stored(clamping: Clamping, torsion_ratio: float, count: int) -> Array:
 
     stored = stored_rods(torsion_ratio, clamping.free_spin)
     loads, _ = stored.nearest(clamping.position[None], clamping.rotation[None], count)
-    return loads[0]
+    nearest: Array = loads[0]
+    return nearest
 
 
 def _nearly_in_line(clamping: Clamping) -> bool:
@@ -229,7 +223,7 @@ def _from_start(clamping: Clamping, torsion_ratio: float, start: tuple[float, ..
 
     record = new_record()
     outcome = run_start(
-        clamping.position, quaternion(clamping), torsion_ratio, clamping.free_spin,
+        clamping.position.copy(), quaternion(clamping), torsion_ratio, clamping.free_spin,
         np.array(start, dtype=np.float64), TOLERANCE, *record,
     )  # fmt: skip
     return from_record(clamping, torsion_ratio, outcome, record)
@@ -240,7 +234,7 @@ def _from_guess(clamping: Clamping, torsion_ratio: float, guess: Array) -> Equil
 
     loads = guess.copy()
     status, residual, _, end = newton(
-        loads, clamping.position, quaternion(clamping),
+        loads, clamping.position.copy(), quaternion(clamping),
         torsion_ratio, clamping.free_spin, TOLERANCE, _PATIENCE,
     )  # fmt: skip
     if status != Status.CONVERGED:
@@ -254,22 +248,30 @@ def _merge(found: list[_Found], rod: Equilibrium) -> None:
     if not rod.converged:
         return
     new = _Found(rod)
-    for other in found:
-        if _same(other, new):
-            other.hits += 1
-            if rod.residual < other.rod.residual:
-                other.rod = rod
-            return
-    found.append(new)
+    same = _same(found, new)
+    if same is None:
+        found.append(new)
+        return
+    same.hits += 1
+    if rod.residual < same.rod.residual:
+        same.rod = rod
 
 
-def _same(one: _Found, other: _Found) -> bool:
-    """Whether two results are one equilibrium."""
-    apart = np.abs(one.rod.loads - other.rod.loads).max() / (1.0 + np.abs(one.rod.loads).max())
+def _same(found: list[_Found], new: _Found) -> _Found | None:
+    """The one of ``found`` that is the same equilibrium as ``new``, or None."""
+    if not found:
+        return None
+    loads = np.array([other.rod.loads for other in found])
+    apart = np.abs(loads - new.rod.loads).max(axis=1) / (1.0 + np.abs(loads).max(axis=1))
+    nearest = int(apart.argmin())
     # equal loads are the same rod; unequal ones may be, on one line or near a fold
-    if apart < 1e-9 or (apart > 1e-2 and not one.rod.clamping.on_one_line):
-        return bool(apart < 1e-9)
-    return bool(np.abs(one.mark - other.mark).max() < SAME)
+    if apart[nearest] < 1e-9:
+        return found[nearest]
+    further = np.inf if new.rod.clamping.on_one_line else 1e-2
+    for i in np.flatnonzero(apart <= further):
+        if np.abs(found[i].mark - new.mark).max() < SAME:
+            return found[i]
+    return None
 
 
 def _mark(rod: Equilibrium) -> Array:

@@ -186,15 +186,16 @@ class Equilibrium:
         if len(self.tail):
             from loopelastica.rod._tails import sample_tails
 
-            tails: Array = sample_tails(self.tail, torsion_ratio, s)
+            tails: Array = sample_tails(self.tail.copy(), torsion_ratio, s.copy())
             return tails
         from loopelastica.rod._shooting import sample
 
         order = np.argsort(s, kind="stable")
         out = np.empty((len(s), 7))
         out[order] = sample(
-            self.loads, torsion_ratio, self.node_s, self.node_pose, s[order], _DENSITY
-        )
+            self.loads.copy(), torsion_ratio, self.node_s.copy(), self.node_pose.copy(),
+            s[order], _DENSITY,
+        )  # fmt: skip
         return out
 
     def centerline(self, n: int | ArrayLike) -> Array:

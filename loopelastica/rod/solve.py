@@ -35,7 +35,7 @@ _STRAIGHT = 1e-9
 _CHUNK = 1024
 # stored rods tried for each row of a batch, and how near they must be: further ones lead nowhere
 # more often than they spare the cascade
-_NEIGHBOURS, _NEAR = 5, 0.22
+_NEIGHBOURS, _NEAR = 6, 0.24
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -160,7 +160,7 @@ def from_standard_starts(
 
     record = new_record()
     outcome = run_starts(
-        clamping.position, quaternion(clamping), torsion_ratio, clamping.free_spin,
+        clamping.position.copy(), quaternion(clamping), torsion_ratio, clamping.free_spin,
         starts(torsion_ratio, clamping.free_spin), lowest, TOLERANCE, *record,
     )  # fmt: skip
     return from_record(clamping, torsion_ratio, outcome, record)
@@ -186,7 +186,7 @@ def quaternion(clamping: Clamping) -> Array:
     """End frame as a quaternion (w, x, y, z)."""
     from loopelastica.rod._rotations import quaternion_from_matrix
 
-    q: Array = quaternion_from_matrix(clamping.rotation)
+    q: Array = quaternion_from_matrix(clamping.rotation.copy())
     return q
 
 

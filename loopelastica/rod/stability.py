@@ -70,10 +70,11 @@ def conjugate_points(rod: Equilibrium) -> int:
     from loopelastica.rod._shooting import moment_bound
 
     # several points per radian of the fastest turning
-    n = max(160, int(12 * moment_bound(rod.loads)))
+    loads = rod.loads.copy()
+    n = max(160, int(12 * moment_bound(loads)))
     s = np.linspace(0.0, 1.0, n + 1)
     poses = rod.poses_without_spin(s)
-    return int(sign_changes(rod.loads, rod.torsion_ratio, rod.clamping.free_spin, s, poses))
+    return int(sign_changes(loads, rod.torsion_ratio, rod.clamping.free_spin, s, poses))
 
 
 def _inertia(rod: Equilibrium, root: float, n: int) -> int:
@@ -88,7 +89,7 @@ def _inertia(rod: Equilibrium, root: float, n: int) -> int:
     shift = _ZERO_MODE if rod.clamping.on_one_line else 0.0
     return int(
         inertia(
-            rod.loads, rod.clamping.position, rod.torsion_ratio, rod.clamping.free_spin,
-            s, frames, shift,
+            rod.loads.copy(), rod.clamping.position.copy(), rod.torsion_ratio,
+            rod.clamping.free_spin, s, frames, shift,
         )
     )  # fmt: skip

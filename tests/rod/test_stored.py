@@ -28,9 +28,7 @@ def test_a_stored_rod_is_its_own_nearest_neighbour_after_any_turn_of_the_start_f
         )
         assert (known >= 1).all()
         for part in (slice(0, 3), slice(3, 6)):
-            np.testing.assert_allclose(
-                nearest[:, 0, part], turn.apply(loads[:, part]), atol=1e-4
-            )
+            np.testing.assert_allclose(nearest[:, 0, part], turn.apply(loads[:, part]), atol=1e-4)
 
 
 def test_no_rod_is_known_where_none_is_near():
