@@ -1,5 +1,6 @@
 """The command line. Heavy modules are imported inside the commands that need them."""
 
+import logging
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -74,7 +75,10 @@ def _main(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    pass
+    # what the package has to say while it works
+    logger = logging.getLogger("loopelastica")
+    logger.setLevel(logging.INFO)
+    logger.handlers = [logging.StreamHandler()]
 
 
 @app.command()

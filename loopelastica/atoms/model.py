@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from typing import Final
 
 import numpy as np
@@ -35,6 +36,8 @@ LINE_SD_A: Final = (0.3, 1.0, 3.0)
 """How near the backbone centroids are held to the line. The next one is for lines from which no
 sound model (right hands, whole chain, no clash) has come: a rod has no thickness and may run
 through the stem or itself. The nucleotides are then moved out of the way first."""
+MOST_TRIES: Final = 12
+"""Combinations of Ω and χ that are tried in all where the first ones give no sound model."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,7 +102,8 @@ def build_atoms(
     contact : {"sheared", "watson-crick"}, optional
         Contact across the loop to be sought; see :func:`loopelastica.atoms.turn.turned`.
     tries : int
-        Combinations of Ω and χ minimized per candidate; the best minimum is kept.
+        Combinations of Ω and χ minimized per candidate; the best minimum is kept. More are tried
+        (up to `MOST_TRIES`) where none of these gives a sound model.
     max_steps, max_seconds : int, float
         Limits of each minimization; how it ended is in ``relaxed.status``.
     max_candidates : int, optional
@@ -150,12 +154,13 @@ def _candidate(
         line,
         site.stem,
         contact=contact,
-        keep=max(tries, 3),
+        keep=max(tries, MOST_TRIES),
     )
     centers = line.at(np.arange(1, n + 1))[0]
     best: tuple[tuple[bool, float], Turns, Array, Relaxed, Checks] | None = None
-    for attempt, line_sd in enumerate(LINE_SD_A):
-        for turns in combinations[:tries]:
+    rounds = product((combinations[:tries], combinations[tries:]), enumerate(LINE_SD_A))
+    for chosen, (attempt, line_sd) in rounds:
+        for turns in chosen:
             start = start_on(site, line, turns)
             moved = moved_out(site, start) if attempt else np.zeros((n, 3))
             relaxed = minimum(
@@ -179,7 +184,7 @@ def _candidate(
         site.molecule,
         out,
         turns,
-        tuple(t for t in combinations if t is not turns),
+        tuple(t for t in combinations[: max(tries, 3)] if t is not turns),
         start @ site.frame.T + site.origin,
         relaxed,
         checks,

@@ -7,10 +7,31 @@ hand comes to, and called from a kernel (`solve_batch`) they are compiled with i
 """
 
 import functools
+import logging
 from collections.abc import Callable
 from typing import Any
 
 from numba import njit, types
+from numba.core import event
+
+_LOG = logging.getLogger("loopelastica")
+
+
+class _Teller(event.Listener):  # type: ignore[misc]
+    """Logs that the solver is being compiled, once: nobody should wait for it without a word."""
+
+    told = False
+
+    def on_start(self, event: Any) -> None:
+        if not self.told:
+            self.told = True
+            _LOG.info("compiling the solver: once after an installation, half a minute to a minute")
+
+    def on_end(self, event: Any) -> None:
+        pass
+
+
+event.register("numba:compile", _Teller())
 
 
 def kernel(function: Callable[..., Any]) -> Any:
