@@ -62,7 +62,7 @@ def minimum(
 
 
 def _right_phosphates(molecule: LoopMolecule, positions: Array) -> None:
-    """Put OP1 and OP2 anew, in place, where they have each other's hand or none."""
+    """Put oxygens of phosphates anew, in place, where they have the wrong hand or none."""
     quads, volumes = chiral_quads(molecule)
     for quad, volume in zip(quads, volumes, strict=True):
         if molecule.names[quad[0]] != "P":
@@ -80,6 +80,24 @@ def _right_phosphates(molecule: LoopMolecule, positions: Array) -> None:
         for row, side in ((quad[2], 1.0), (quad[3], -1.0)):
             direction = np.cos(half) * outward + side * np.sin(half) * across
             positions[row] = p + length * direction
+    _right_junction(molecule, positions)
+
+
+def _right_junction(molecule: LoopMolecule, positions: Array) -> None:
+    """Put the last O3', in place, where it belongs if it came to the stem's P from the wrong side.
+
+    The stem's own oxygens then stand between the two sides, and no small step leads round them.
+    """
+    n = len(molecule.residues)
+    place = dict(zip(zip(molecule.residue, molecule.names, strict=True), positions, strict=True))
+    if any((n, name) not in place for name in ("P", "OP1", "OP2", "O5'")):
+        return
+    p = place[n, "P"]
+    bonds = np.array([place[n, name] - p for name in ("OP1", "OP2", "O5'")])
+    outward = -(bonds / np.linalg.norm(bonds, axis=1, keepdims=True)).sum(axis=0)
+    row = molecule.index(n - 1, "O3'")
+    if (positions[row] - p) @ outward < 0.0:
+        positions[row] = p + _value("O3'", "P") * outward / np.linalg.norm(outward)
 
 
 def _value(*names: str) -> float:

@@ -7,6 +7,7 @@ starts; it is not proven to be. For many poses of which any equilibrium will do,
 from the nearest stored rods (``stored``) comes first; a single pose does not load them.
 """
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,7 +33,7 @@ _SOFT_RATIO = 0.1
 
 # |η| above this is the straight rod or out of reach: the load of a bent one exceeds 1e17
 _STRAIGHT = 1e-9
-_CHUNK = 1024
+_CHUNK = 256
 # stored rods tried for each row of a batch, and how near they must be: further ones lead nowhere
 # more often than they spare the cascade
 _NEIGHBOURS, _NEAR = 6, 0.24
@@ -283,14 +284,15 @@ def solve_batch(
     def solve_part(part: NDArray[np.intp]) -> None:
         _solve_rows(part, positions, rotations, torsion_ratio, free_spin, lowest, batch)
 
-    parts = [rows[first : first + _CHUNK] for first in range(0, len(rows), _CHUNK)]
-    if threads == 1 or len(parts) < 2:
+    # one row first: what is compiled or loaded late is so once
+    cuts = [0, *range(1, len(rows), _CHUNK), len(rows)] if len(rows) else [0]
+    parts = [rows[first:last] for first, last in itertools.pairwise(cuts)]
+    if threads == 1 or len(parts) < 3:
         for part in parts:
             solve_part(part)
     else:
         from concurrent.futures import ThreadPoolExecutor
 
-        # what is compiled or loaded late is so once
         solve_part(parts[0])
         with ThreadPoolExecutor(threads) as pool:
             list(pool.map(solve_part, parts[1:]))

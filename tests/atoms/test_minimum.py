@@ -23,3 +23,15 @@ def test_the_oxygens_of_a_phosphate_that_has_turned_over_are_put_anew(models):
         assert volume(positions, quad) > 2.0
     # and they are near to where the minimization had them
     np.testing.assert_allclose(positions, good, atol=0.35)
+
+
+def test_the_last_oxygen_is_put_on_the_right_side_of_the_stems_phosphorus(models):
+    molecule, right = models[0].molecule, models[0].positions_A
+    n = len(molecule.residues)
+    o3, p = molecule.index(n - 1, "O3'"), molecule.index(n, "P")
+    kept, turned_over = right.copy(), right.copy()
+    _right_phosphates(molecule, kept)
+    np.testing.assert_array_equal(kept[o3], right[o3])
+    turned_over[o3] = 2.0 * right[p] - right[o3]
+    _right_phosphates(molecule, turned_over)
+    np.testing.assert_allclose(turned_over[o3], right[o3], atol=0.2)
