@@ -55,6 +55,7 @@ _ROUNDS = (
         (
             *((n, 0, 0, -waves) for n in (1, -1) for waves in _WAVES),
             *((n, *sides, kick) for kick in (0, -1) for n in (2, -2) for sides in _SIDES),
+            *((n, 0, 0, 0.8) for n in (0, 1, -1)),
         ),
         32,
     ),
