@@ -30,6 +30,8 @@ _COARSE, _MEDIUM, _FINE = 0.45, 1.4, 2.5
 _SWITCH = 1e-3
 # steps with its last Jacobian, and the error from which one more is expected to be the last
 _CHORDS, _NEAR = 8, 1e-7
+# share of the tolerance above which another step is made
+_SURE = 0.3
 # relative size of a pivot that is rounding
 _DROP = 1e-11
 # growth exp(√F) of an error over the length: beyond, loads at one end do not fix the other end
@@ -283,12 +285,13 @@ def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance, most):
         end_error(y, position, quaternion, free_spin, f[5], e, jacobian, False)
         iterations += 1
         previous, worst = worst, _largest(e)
-        if judged and worst < tolerance:
-            return CONVERGED, worst, iterations, y[:POSE]
+        if judged and worst < _SURE * tolerance:
+            break
         # the first is seen on another mesh than the search's
         if chord > 0 and not worst < 0.3 * previous:
             break
-    return CHECK_FAILED, worst, iterations, y[:POSE]
+    status = CONVERGED if judged and worst < tolerance else CHECK_FAILED
+    return status, worst, iterations, y[:POSE]
 
 
 @kernel
