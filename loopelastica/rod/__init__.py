@@ -21,7 +21,7 @@ quaternion    (w, x, y, z) of R
 ============  ===========================================================================
 
 The way from q to rods: `clamping` (q) → `solve`, `equilibria` → `equilibrium` (what a rod knows of
-itself) → `stability`. Beneath them, compiled:
+itself) → `stability`. Beneath them, compiled (`_compiled`: what, when and how):
 
 - `_shooting`, `_newton`: f to end pose with its Jacobian; one guess to a solution, from `stored`;
 - `_cascade`: one start to a solution, through `_tails` (high tension in closed form),

@@ -29,8 +29,8 @@ which is ``best``, order the target row.
 import math
 
 import numpy as np
-from numba import njit
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._rotations import spin
 from loopelastica.rod._shooting import POSE, moment_bound, slope
 
@@ -46,7 +46,7 @@ _LARGEST = 1e4
 _MAX_STEPS = 20_000
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def midpoint(f, y, k0, h, n, out, a, b, k):
     """Gragg's modified midpoint rule over ``h`` with ``n`` substeps, into ``out`` (7,).
 
@@ -65,7 +65,7 @@ def midpoint(f, y, k0, h, n, out, a, b, k):
         out[c] = 0.5 * (b[c] + a[c] + g * k[c])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def extrapolate(row, table, best):
     """Aitken and Neville's table of row ``row``, whose midpoint value lies in ``table[row - 1]``.
 
@@ -82,7 +82,7 @@ def extrapolate(row, table, best):
         best[c] = table[0, c] + factor * (table[0, c] - best[c])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _attempt(f, y, k0, h, order, rtol, best, table, steps, work, a, b, k):
     """Rows of one step until it is accepted or given up: (accepted, row, slopes)."""
     slopes = 0
@@ -116,7 +116,7 @@ def _attempt(f, y, k0, h, order, rtol, best, table, steps, work, a, b, k):
     return False, order + 1, slopes
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _next_order(row, steps, work):
     """Target row and step after a step accepted in ``row``: the neighbour of least work."""
     order, step = row, steps[row]
@@ -128,7 +128,7 @@ def _next_order(row, steps, work):
     return min(max(order, 2), _ROWS - 2), step
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def integrate(f, length, rtol, y):
     """Carry the state ``y`` (7,) along the rod, in place.
 
@@ -185,7 +185,7 @@ def integrate(f, length, rtol, y):
     return -1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def end_pose(f, torsion_ratio, rtol, y):
     """Pose of the end of the rod with loads ``f`` into ``y`` (7,); returns as `integrate`."""
     for c in range(POSE):

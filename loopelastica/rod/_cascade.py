@@ -7,7 +7,8 @@ not use:
 1. two tails in closed form, where they do not feel each other;
 2. else, at still high tension, their poses as nodes of multiple shooting;
 3. the discrete rod of least energy, which always has somewhere to go; under high tension its loads
-   are turned into tails, otherwise its hinges into nodes of multiple shooting.
+   are turned into tails, under little they are shot from the start, otherwise its hinges become
+   nodes of multiple shooting.
 
 A solution is written into a record: loads, nodes (arc length and pose) or the 20 floats of the
 tails. All arrays are the caller's.

@@ -46,9 +46,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._cubic import a_min, roots
 from loopelastica.rod._elliptic import (
     agm_scale,
@@ -59,7 +59,7 @@ from loopelastica.rod._elliptic import (
 )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _angle_constants(
     sine2: float, cosine2: float, m: float, m1: float, K: float, Kc: float
 ) -> tuple[float, float, float]:
@@ -74,7 +74,7 @@ def _angle_constants(
     return b, zeta, drift
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def constants(lam: float, t_p: float, a: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Everything about an infinite rod that does not depend on s.
 
@@ -120,7 +120,7 @@ def constants(lam: float, t_p: float, a: float) -> tuple[NDArray[np.float64], ND
     return c, scale
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _turned(
     modulus2: float, c: NDArray[np.float64], k: int, s: float, x: float, wraps: float
 ) -> tuple[float, float]:
@@ -142,7 +142,7 @@ def _turned(
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def rod_at(
     s: float, c: NDArray[np.float64], scale: NDArray[np.float64]
 ) -> tuple[float, float, float, float, float, float, float]:
@@ -180,7 +180,7 @@ def rod_at(
     return A_re, A_im, B_re, B_im, P_re, P_im, r_z
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def landau_pose(
     s: float, phi0: float, spin: float, c: NDArray[np.float64], scale: NDArray[np.float64]
 ) -> tuple[float, float, float, float, float, float, float]:
@@ -220,7 +220,7 @@ def landau_pose(
     return q0, q1, q2, q3, x, y, z
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def euler_angles(q0: float, q1: float, q2: float, q3: float) -> tuple[float, float, float]:
     """ZYZ Euler angles (ψ, θ, φ) of a quaternion; ψ and φ in (−2π, 2π), θ in [0, π]."""
     half_sum = math.atan2(q3, q0)
@@ -229,13 +229,13 @@ def euler_angles(q0: float, q1: float, q2: float, q3: float) -> tuple[float, flo
     return half_sum + half_difference, theta, half_sum - half_difference
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def landau_moment(x: float, y: float, lam: float) -> tuple[float, float, float]:
     """Moment e_k × r + λ e_k in Landau's frame, in units of K0/μ (eq. 12c); the force is e_k."""
     return -y, x, lam
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _turn_back(
     q0: float, q1: float, q2: float, q3: float, x: float, y: float, z: float
 ) -> tuple[float, float, float]:
@@ -250,7 +250,7 @@ def _turn_back(
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def rod_along(
     lam: float,
     t_p: float,
@@ -297,7 +297,7 @@ def rod_along(
     return position, frame
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _write_rotation(q0: float, q1: float, q2: float, q3: float, out: NDArray[np.float64]) -> None:
     """Rotation matrix of a unit quaternion into out (3, 3)."""
     f = 2.0 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
@@ -312,7 +312,7 @@ def _write_rotation(q0: float, q1: float, q2: float, q3: float, out: NDArray[np.
     out[2, 2] = 1.0 - f * (q1 * q1 + q2 * q2)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def forceless_along(
     moment: NDArray[np.float64], torsion_ratio: float, arc: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -364,7 +364,7 @@ def forceless_along(
     return position, frame
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def period(lam: float, t_p: float, a: float) -> float:
     """Period s_per/μ of ρ(s); infinite where the rod is homoclinic.
 
@@ -380,7 +380,7 @@ def period(lam: float, t_p: float, a: float) -> float:
     return float(2.0 * K / math.sqrt(0.5 * d13))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def loads_from_physical(
     lam: float, t_p: float, a: float, phi0: float, s_ini: float, length: float, torsion_ratio: float
 ) -> tuple[float, float, float, float, float, float]:
@@ -398,7 +398,7 @@ def loads_from_physical(
 _FAR = 40.0  # w s on a homoclinic tail where ρ has fallen below the last digit: e⁻⁴⁰ = 4e-18
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def physical_from_loads(
     F1: float, F2: float, F3: float, M1: float, M2: float, M3: float, torsion_ratio: float
 ) -> tuple[float, float, float, float, float, float]:

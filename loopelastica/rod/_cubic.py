@@ -20,12 +20,12 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from loopelastica.rod._compiled import kernel
 
 _SPLIT = 134217729.0  # 2**27 + 1: Dekker's splitting of a double into halves
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _add(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
     """Sum of two double-double numbers (Knuth's two-sum on both parts)."""
     s = a_h + b_h
@@ -41,7 +41,7 @@ def _add(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
     return s, e - (s - h)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _mul(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
     """Product of two double-double numbers (Dekker)."""
     p = a_h * b_h
@@ -57,7 +57,7 @@ def _mul(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
     return s, e - (s - p)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _div(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
     """Quotient of two double-double numbers, b not 0."""
     f = a_h / b_h
@@ -67,7 +67,7 @@ def _div(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
     return s, rest / b_h - (s - f)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _cubic_starts(p: float, q: float, r: float) -> tuple[float, float, float]:
     """Roots of y³ − p y² + q y − r, all real, largest first, to about half the digits."""
     spread = max(p * p - 3.0 * q, 0.0) / 9.0
@@ -84,7 +84,7 @@ def _cubic_starts(p: float, q: float, r: float) -> tuple[float, float, float]:
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def roots(
     lam: float, t_p: float, a: float
 ) -> tuple[float, float, float, float, float, float, float, float, float, float]:
@@ -175,7 +175,7 @@ def roots(
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def a_min(lam: float, t_p: float) -> float:
     """Least a for which a rod exists: a_Min(λ, t_P), Figure 2 of the paper.
 

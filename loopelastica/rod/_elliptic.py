@@ -35,14 +35,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from loopelastica.rod._compiled import kernel
 
 _LEVELS = 24  # the scale for m1 = 5e-324 takes 15
 _CONVERGED = 1e-9  # c_N/a_N: what is left out is of the order of its square
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def agm_scale(m: float, m1: float) -> tuple[NDArray[np.float64], int]:
     """Arithmetic–geometric means of 1 and √m1.
 
@@ -73,7 +74,7 @@ def agm_scale(m: float, m1: float) -> tuple[NDArray[np.float64], int]:
     return scale, n
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def complete_from_scale(scale: NDArray[np.float64], levels: int) -> tuple[float, float, float]:
     """K, E and 1 − E/K from a scale; (inf, 1, 1) where m1 = 0."""
     if scale[1, 0] == 0.0:
@@ -94,7 +95,7 @@ def complete_from_scale(scale: NDArray[np.float64], levels: int) -> tuple[float,
     return K, E, missing
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def complete(m: float, m1: float) -> tuple[float, float]:
     """Complete elliptic integrals K(m) and E(m).
 
@@ -119,7 +120,7 @@ def complete(m: float, m1: float) -> tuple[float, float]:
     return K, E
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def jacobi_from_scale(
     x: float, scale: NDArray[np.float64], levels: int
 ) -> tuple[float, float, float, float, float]:
@@ -144,7 +145,7 @@ def jacobi_from_scale(
     return sn, cn, dn, phi, zeta
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def jacobi(x: float, m: float, m1: float) -> tuple[float, float, float, float, float, float]:
     """Jacobi elliptic functions and the integral of the second kind at any real x.
 
@@ -177,7 +178,7 @@ def jacobi(x: float, m: float, m1: float) -> tuple[float, float, float, float, f
     return sn, cn, dn, am + math.pi * turns, zeta, zeta + x * E / K
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def incomplete(sine: float, cosine: float, m: float, m1: float) -> tuple[float, float]:
     """Incomplete integral of the first kind and Jacobi's Zeta of an amplitude.
 
@@ -227,7 +228,7 @@ def incomplete(sine: float, cosine: float, m: float, m1: float) -> tuple[float, 
     return math.ldexp(phi, -levels) / scale[0, levels], zeta
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def theta_phase(x: float, b: float, K: float, Kc: float, shifted: bool) -> tuple[float, float]:
     """Θ(x + ib) or Θ(x + K + ib), times exp(iπxb/(2KK')), up to a positive factor.
 

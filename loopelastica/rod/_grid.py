@@ -8,9 +8,9 @@ hold λ, t_P, a, s_ini/μ, L/μ and the image η1, η3, ψ_R, θ_R, φ_R.
 import math
 
 import numpy as np
-from numba import njit
 
 from loopelastica.rod._closed_form import constants, landau_pose, period
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._cubic import a_min
 from loopelastica.rod._paper_errors import TURN, physical_pose, reduced_parameters, seen_from
 from loopelastica.rod._shooting import POSE
@@ -20,13 +20,13 @@ _SHORTEST = 0.1  # L/μ (eq. 40)
 _ROUNDING = 1e-9  # of a step: an upper bound met but for rounding belongs to the ladder
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def rungs(low, high, step):
     """Number of points low, low + step, … up to high."""
     return max(math.floor((high - low) / step + _ROUNDING) + 1, 0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _ranges(lam, t_p, a, margin, step):
     """Numbers of points in s_ini and L at one (λ, t_P, a); none where the period is infinite."""
     whole = period(lam, t_p, a)
@@ -38,7 +38,7 @@ def _ranges(lam, t_p, a, margin, step):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _column(lam, t_p, replaced, low, high, margin, step, torsion_ratio):
     """All rows of one column; ``replaced`` is the t_P of the rods, ``t_p`` that of the bounds."""
     floor_a = a_min(lam, replaced)
@@ -70,7 +70,7 @@ def _column(lam, t_p, replaced, low, high, margin, step, torsion_ratio):
     return rows
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def guesses(lam, t_p, size, step, no_twist, symmetric, torsion_ratio):
     """Guesses of one column of the grid (eq. 40)."""
     replaced = t_p if abs(t_p) > _ROUNDING else no_twist
@@ -84,7 +84,7 @@ def guesses(lam, t_p, size, step, no_twist, symmetric, torsion_ratio):
     return rows
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def trials(lam, t_p, size, margin, step):
     """Tested rods of one column, ``margin`` inside the bounds (section 4.3)."""
     low = a_min(lam, t_p) + margin
@@ -93,7 +93,7 @@ def trials(lam, t_p, size, margin, step):
     return rows[keep]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def poses(points, torsion_ratio):
     """End poses (n, 7), position and quaternion, of physical parameters (n, 5), φ0 = 0 (q1)."""
     out = np.empty((points.shape[0], POSE))
@@ -103,7 +103,7 @@ def poses(points, torsion_ratio):
     return out
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def images(points, torsion_ratio):
     """Images (n, 5) of physical parameters (n, 5) under the closed form q1 (eq. 20)."""
     out, y = np.empty((points.shape[0], 5)), np.empty(POSE)

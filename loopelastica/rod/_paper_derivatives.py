@@ -12,8 +12,8 @@ Legend: f loads, y pose, e error ε, j Jacobian.
 import math
 
 import numpy as np
-from numba import njit
 
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._paper_errors import end, error
 
 _STEP = 1e-5  # section 3.3: h = 1e-5 |f|
@@ -21,7 +21,7 @@ _STEP = 1e-5  # section 3.3: h = 1e-5 |f|
 _RIDDERS_STEP, _CON, _TABLE, _SAFE = 1e-2, 1.4, 10, 2.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def error_at(f, target, kind, torsion_ratio, forward, y, e):
     """Error ``e`` (6,) at the loads ``f``; False where q2 fails."""
     if not end(f, torsion_ratio, forward, y):
@@ -30,7 +30,7 @@ def error_at(f, target, kind, torsion_ratio, forward, y, e):
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def norm(values):
     """Euclidean norm."""
     total = 0.0
@@ -39,7 +39,7 @@ def norm(values):
     return math.sqrt(total)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def largest(e):
     """Maximum norm; inf where an entry is not a number."""
     worst = 0.0
@@ -49,7 +49,7 @@ def largest(e):
     return worst
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def central_column(f, c, h, target, kind, torsion_ratio, forward, y, trial, out, other):
     """Central difference of the error by the load ``c`` into ``out`` (6,); False if q2 fails."""
     trial[:] = f
@@ -64,7 +64,7 @@ def central_column(f, c, h, target, kind, torsion_ratio, forward, y, trial, out,
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def central_jacobian(f, target, kind, torsion_ratio, forward, y, j):
     """Second-order central differences with h = 1e-5 |f| (section 3.3) into ``j`` (6, 6)."""
     trial, out, other = np.empty(6), np.empty(6), np.empty(6)
@@ -76,7 +76,7 @@ def central_jacobian(f, target, kind, torsion_ratio, forward, y, j):
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def ridders_jacobian(f, target, kind, torsion_ratio, forward, y, j):
     """Ridders' derivatives into ``j`` (6, 6): central differences extrapolated to h = 0.
 

@@ -18,10 +18,10 @@ Legend: f loads, y pose, q clamping parameters, e error ε.
 import math
 
 import numpy as np
-from numba import njit
 
 from loopelastica.rod import _bulirsch_stoer
 from loopelastica.rod._closed_form import constants, euler_angles, landau_pose
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._cubic import a_min
 from loopelastica.rod._elliptic import incomplete
 from loopelastica.rod._rotations import quaternion_from_matrix
@@ -43,7 +43,7 @@ _FAR = 40.0
 _NO_FORCE = 1e-9
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def relative(p0, p1, p2, p3, q0, q1, q2, q3):
     """conj(p) q: the frame ``q`` seen from the frame ``p``."""
     return (
@@ -54,14 +54,14 @@ def relative(p0, p1, p2, p3, q0, q1, q2, q3):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def wrapped(angle):
     """The angle in [0, 2π)."""
     angle = angle % TURN
     return angle if angle < TURN else 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def parameters(y, q):
     """Six clamping parameters ``q`` of the pose ``y`` (eq. 6)."""
     psi, theta, phi = euler_angles(y[3], y[4], y[5], y[6])
@@ -69,7 +69,7 @@ def parameters(y, q):
     q[3], q[4], q[5] = wrapped(psi), theta, wrapped(phi)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def reduced_parameters(y, q):
     """Five clamping parameters ``q`` of the pose ``y`` (eq. 17); returns the angle φ_a (eq. 19)."""
     psi, theta, phi = euler_angles(y[3], y[4], y[5], y[6])
@@ -79,7 +79,7 @@ def reduced_parameters(y, q):
     return angle
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def pose_of_parameters(q, y):
     """The pose ``y`` with η2 = 0 and five clamping parameters ``q``."""
     y[0], y[1], y[2] = q[0], 0.0, q[1]
@@ -90,14 +90,14 @@ def pose_of_parameters(q, y):
     y[6] = math.cos(half) * math.sin(plus)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def pose_of_frame(position, rotation, y):
     """The pose ``y`` of a position (3,) and a rotation matrix (3, 3)."""
     y[:3] = position
     y[3:POSE] = quaternion_from_matrix(rotation)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def error(kind, y, target, e):
     """Error ``e`` (6,) of the pose ``y`` against the pose ``target`` (eq. 30, 31 or 32)."""
     for c in range(3):
@@ -120,7 +120,7 @@ def error(kind, y, target, e):
     e[5] = math.atan2(2.0 * (a * b + w * c3), 1.0 - 2.0 * (b * b + c3 * c3))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def error_5d(kind, y, target, e):
     """Error ``e`` (5,) between the reduced poses: η1, η3 and the three angles."""
     q, six = np.empty(5), np.empty(6)
@@ -133,7 +133,7 @@ def error_5d(kind, y, target, e):
     e[0], e[1], e[2], e[3], e[4] = six[0], six[2], six[3], six[4], six[5]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def physical_pose(lam, t_p, a, s_ini, length, torsion_ratio, y):
     """Pose ``y`` of the rod with five physical parameters and φ0 = 0 (q1, eq. 20)."""
     c, scale = constants(lam, t_p, a)
@@ -146,7 +146,7 @@ def physical_pose(lam, t_p, a, s_ini, length, torsion_ratio, y):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def seen_from(first, second, length, y):
     """Pose ``y`` of the second of two frames of Landau's, seen from the first; η in units of L."""
     p0, p1, p2, p3, x0, y0, z0 = first
@@ -162,7 +162,7 @@ def seen_from(first, second, length, y):
     y[3], y[4], y[5], y[6] = relative(p0, p1, p2, p3, q0, q1, q2, q3)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def turn(values, angle):
     """Turn a force and a moment (6,) about d3 by ``angle``, in place."""
     c, s = math.cos(angle), math.sin(angle)
@@ -172,7 +172,7 @@ def turn(values, angle):
         values[i + 1] = s * first + c * values[i + 1]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def end(f, torsion_ratio, forward, y):
     """The mapping q2 (eq. 22): end pose ``y`` of the rod with loads ``f``; False if it fails.
 
@@ -196,7 +196,7 @@ def end(f, torsion_ratio, forward, y):
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def project_end(f, torsion_ratio, y):
     """`end` by the package's own integrator, which the printed method never uses."""
     if not moment_bound(f) < 1e4:
@@ -207,7 +207,7 @@ def project_end(f, torsion_ratio, y):
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def analytic(f, force, torsion_ratio, y):
     """Closed form of q2: loads → p (eq. 8–11, 23–28) → q1, with the constants found once.
 
@@ -247,7 +247,7 @@ def analytic(f, force, torsion_ratio, y):
     turn_pose(y, -math.atan2(sine, cosine))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _turn_back_flat(q0, q1, q2, q3, x, y, z):
     """First two components of Rᵀ v for the rotation R of a unit quaternion."""
     return (
@@ -260,7 +260,7 @@ def _turn_back_flat(q0, q1, q2, q3, x, y, z):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def turn_pose(y, angle):
     """Turn a pose about the start tangent by ``angle`` (eq. 16), in place."""
     c, s = math.cos(angle), math.sin(angle)

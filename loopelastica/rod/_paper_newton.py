@@ -24,9 +24,9 @@ Legend: f loads, y pose, e error ε, j Jacobian, d Newton step, cost C, p physic
 import math
 
 import numpy as np
-from numba import njit
 
 from loopelastica.rod._closed_form import loads_from_physical, period
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._paper_derivatives import (
     central_jacobian,
     error_at,
@@ -44,7 +44,7 @@ _BACKTRACKS = 51  # Algorithm 2, line 4
 _TAU, _OMEGA = 0.45, 1e-4  # Algorithm 2, lines 2 and 3
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def eliminate(j, e, a, d):
     """Newton step d = −J⁻¹ε by Gaussian elimination with row pivots; False if J is singular."""
     for i in range(6):
@@ -74,7 +74,7 @@ def eliminate(j, e, a, d):
     return largest(d) < math.inf
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def line_search(f, d, decrease, cost, target, kind, torsion_ratio, forward, y, trial, e):
     """Algorithm 2: ``f`` moves by the first step τ^j d that fulfils Armijo's rule.
 
@@ -97,7 +97,7 @@ def line_search(f, d, decrease, cost, target, kind, torsion_ratio, forward, y, t
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def newton(f, target, kind, torsion_ratio, forward, eps_c, ridders):
     """Algorithm 1 from the loads ``f`` (6,), in place.
 
@@ -148,7 +148,7 @@ def newton(f, target, kind, torsion_ratio, forward, eps_c, ridders):
     return TOO_MANY_ITERATIONS, _ITERATIONS
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def reduced_loads(p, s_ini, torsion_ratio, f):
     """Loads ``f`` of the rod with five physical parameters, turned to η1 ≥ 0, η2 = 0 (eq. 15–19).
 
@@ -163,7 +163,7 @@ def reduced_loads(p, s_ini, torsion_ratio, f):
     turn(f, -angle)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def invert(p, target, kind, torsion_ratio, forward, eps_c, restarts, f):
     """Section 3.3 from one guess: Algorithm 1, Ridders' derivatives, restarts by eq. 36.
 

@@ -7,9 +7,9 @@ Ameline et al., J. Comput. Phys. 373 (2018) 736, DOI 10.1016/j.jcp.2018.07.021, 
 import math
 
 import numpy as np
-from numba import njit
 
 from loopelastica.rod._closed_form import physical_from_loads
+from loopelastica.rod._compiled import kernel
 from loopelastica.rod._paper_errors import (
     EPS1,
     error,
@@ -21,7 +21,7 @@ from loopelastica.rod._paper_newton import CONVERGED, invert
 from loopelastica.rod._shooting import POSE
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def nearest(images, q):
     """Index of the row of ``images`` (n, 5) with the least norm of ε1 against ``q`` (5,)."""
     best, index = math.inf, 0
@@ -35,7 +35,7 @@ def nearest(images, q):
     return index
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def distances(images, q, kind, out):
     """Squared norms (n,) of ε1, ε2 or ε3 in five dimensions of all ``images`` against ``q``."""
     y, target, e = np.empty(POSE), np.empty(POSE), np.empty(6)
@@ -48,7 +48,7 @@ def distances(images, q, kind, out):
             out[i] += e[c] * e[c]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def path(p, points, images, symmetric, scan, kind, torsion_ratio, forward, eps_c, restarts):
     """The testing path (eq. 37) of the physical parameters ``p`` (5,).
 
@@ -90,7 +90,7 @@ def path(p, points, images, symmetric, scan, kind, torsion_ratio, forward, eps_c
     return defect, iterations, restarts, runs, status
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def paths(
     trials, points, images, symmetric, scan, kind, torsion_ratio, forward, eps_c, restarts, out
 ):

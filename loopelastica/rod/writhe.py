@@ -36,15 +36,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
+
+from loopelastica.rod._compiled import kernel
 
 __all__ = ["net_winding", "polar_writhe", "twist", "writhe"]
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _triangle(p: Array, q: Array, pole: float) -> float:
     """Signed area of the spherical triangle (pole·e3, p, q), seen from that pole."""
     volume = p[0] * q[1] - p[1] * q[0]
@@ -52,7 +53,7 @@ def _triangle(p: Array, q: Array, pole: float) -> float:
     return 2.0 * math.atan2(pole * volume, 1.0 + pole * (p[2] + q[2]) + cosine)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _local(directions: Array) -> tuple[float, float]:
     """Local polar writhe (times 2π), and Fuller's ∫(t × t')_z/(1 + t_z), along great arcs."""
     polar = 0.0
@@ -76,7 +77,7 @@ def _local(directions: Array) -> tuple[float, float]:
     return polar, north
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _nonlocal(points: Array) -> float:
     """Σ_{i≠j} σ_i σ_j ∫ dΘ_ij over the edges of a polygon, heights along its third coordinate."""
     total = 0.0
@@ -107,7 +108,7 @@ def _nonlocal(points: Array) -> float:
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _solid_angle(points: Array, i: int, j: int, k: int, m: int, n: int, o: int) -> float:
     """Solid angle of the triangle r_j − r_i, r_m − r_k, r_o − r_n seen from the origin."""
     ax, ay, az = (
@@ -135,7 +136,7 @@ def _solid_angle(points: Array, i: int, j: int, k: int, m: int, n: int, o: int) 
     return 2.0 * math.atan2(volume, a * b * c + ab * c + bc * a + ca * b)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _writhe(points: Array) -> float:
     """Gauss integral of a polygon with itself: the directions in which two edges cross."""
     total = 0.0
