@@ -26,6 +26,9 @@ app.add_typer(bench, name="bench")
 _Files = Annotated[
     list[Path], typer.Argument(help="PDB or mmCIF files, gzipped or not.", show_default=False)
 ]
+_Irregular = Annotated[
+    bool, typer.Option("--irregular", help="Fold loops on stems that are no A or B helix too.")
+]
 _Pairs = Annotated[
     list[str] | None,
     typer.Option("--pair", help="A pair known from other data, such as A.12-A.25; repeatable."),
@@ -126,9 +129,7 @@ def fold(
     all_models: Annotated[
         bool, typer.Option("--all-models/--first-model", help="Fold every model of the file.")
     ] = True,
-    irregular: Annotated[
-        bool, typer.Option("--irregular", help="Fold loops on stems that are no A or B helix too.")
-    ] = False,
+    irregular: _Irregular = False,
     pair: _Pairs = None,
     dot_bracket: _Brackets = None,
     loop: _Loops = None,
@@ -372,6 +373,10 @@ def scan(
     taper: Annotated[
         list[float] | None, typer.Option(help="Tapers of the 3' strand; default 0 and 0.2.")
     ] = None,
+    irregular: _Irregular = False,
+    pair: _Pairs = None,
+    dot_bracket: _Brackets = None,
+    loop: _Loops = None,
     shown: Annotated[int, typer.Option(help="Shapes shown per loop.", min=1)] = 20,
 ) -> None:
     """Solve every clamp that the stem allows; rank all shapes by deformation energy."""
@@ -381,21 +386,28 @@ def scan(
 
     try:
         scans = scan_file(
-            file, extend_5_max=extend_5, extend_3_max=extend_3, tapers=taper or (0.0, 0.2)
+            file,
+            extend_5_max=extend_5,
+            extend_3_max=extend_3,
+            tapers=taper or (0.0, 0.2),
+            irregular=irregular,
+            pair=pair or (),
+            dot_bracket=dot_bracket,
+            loop=loop or (),
         )
     except LoopelasticaError as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(1) from None
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
-    for loop in scans:
-        if loop.failure:
-            typer.echo(f"{file}: {loop.failure}", err=True)
+    for scanned in scans:
+        if scanned.failure:
+            typer.echo(f"{file}: {scanned.failure}", err=True)
         else:
-            console().print(scan_table(loop, shown))
+            console().print(scan_table(scanned, shown))
     if not scans:
         typer.echo(f"{file}: no hairpin loop found", err=True)
-    if not scans or any(loop.failure for loop in scans):
+    if not scans or any(scanned.failure for scanned in scans):
         raise typer.Exit(1)
 
 

@@ -100,6 +100,10 @@ def scan(
     free_spin: bool = True,
     torsion_ratio: float = 1.0,
     persistence_length_A: float = PERSISTENCE_LENGTH_A,
+    irregular: bool = False,
+    pair: str | Sequence[str] = (),
+    dot_bracket: str | None = None,
+    loop: str | Sequence[str] = (),
 ) -> list[LoopScan]:
     """Solve every feasible clamp of every loop (first model) and rank all by energy.
 
@@ -111,8 +115,10 @@ def scan(
         Most nucleotides laid on the continued strands.
     tapers : sequence of float
         Tapers of the 3' strand.
-    length_per_nucleotide_A, free_spin, torsion_ratio, persistence_length_A
+    length_per_nucleotide_A, free_spin, torsion_ratio, persistence_length_A, irregular
         As for :func:`loopelastica.fold`.
+    pair, dot_bracket, loop
+        As for :func:`loopelastica.find_hairpins`.
 
     Returns
     -------
@@ -140,10 +146,11 @@ def scan(
         "free_spin": free_spin,
         "torsion_ratio": torsion_ratio,
         "persistence_length_A": persistence_length_A,
+        "irregular": irregular,
     }
+    hairpins = find_hairpins(structure, pair=pair, dot_bracket=dot_bracket, loop=loop)
     return [
-        _scan_loop(structure.nucleotides, hairpin, positions, **options)
-        for hairpin in find_hairpins(structure)
+        _scan_loop(structure.nucleotides, hairpin, positions, **options) for hairpin in hairpins
     ]
 
 
@@ -156,7 +163,8 @@ def _scan_loop(
         plain = plain_clamp(hairpin.is_dna)
         if options["length_per_nucleotide_A"] is not None:
             plain = replace(plain, length_per_nucleotide_A=options["length_per_nucleotide_A"])
-        stem.ends(plain).check_regular(name)
+        if not options["irregular"]:
+            stem.ends(plain).check_regular(name)
         rule = stem.feasible(
             replace(
                 default_clamp(hairpin.is_dna, len(hairpin)),

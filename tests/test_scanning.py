@@ -52,6 +52,20 @@ def test_a_scan_that_cannot_be_is_refused(hairpin_folder):
     (loop,) = le.scan(hairpin_folder / "1d16.pdb.gz", extend_5_max=0, extend_3_max=0)
     assert "no A or B helix" in loop.failure
     assert loop.candidates == ()
+    (asked,) = le.scan(
+        hairpin_folder / "1d16.pdb.gz", extend_5_max=0, extend_3_max=0, irregular=True
+    )
+    assert asked.failure is None
+    assert asked.candidates
+
+
+def test_a_scan_takes_loops_that_are_named():
+    (wider,) = le.scan(HAIRPIN, extend_5_max=0, extend_3_max=0, tapers=[0.0], loop="A.5-10")
+    assert wider.hairpin.closing_pair == ("A.A4", "A.U11")
+    arguments = ["scan", str(HAIRPIN), "--extend-5", "0", "--extend-3", "0", "--taper", "0"]
+    result = CliRunner().invoke(app, [*arguments, "--loop", "A.5-10"])
+    assert result.exit_code == 0
+    assert "for 6 nucleotides" in " ".join(result.output.split())
 
 
 def test_the_command_says_what_error_to_expect_and_that_energy_is_no_confidence():
