@@ -296,8 +296,7 @@ def _finish(
         and torsion_ratio == relaxed_ratio
         and not _near_one_line(position, quaternion)
     ):
-        for c in range(6):
-            loads[c] = load[c]
+        loads[:] = load
         status, residual, _, end = newton(
             loads, position, quaternion, torsion_ratio, free_spin, tolerance, _STEPS
         )

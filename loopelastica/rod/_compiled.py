@@ -38,7 +38,8 @@ def kernel(function: Callable[..., Any]) -> Any:
     """``function`` compiled at its first call, without the interpreter's lock, and cached on disk.
 
     Numba compiles a function anew for each constant passed to it; that is switched off here, since
-    it took a third of the time to compile the solver and made nothing faster.
+    it took a third of the time to compile the solver and made nothing faster. A read-only array is
+    another type too: callers hand over copies of what clampings and equilibria protect.
     """
     compiled = njit(cache=True, nogil=True, error_model="numpy")(function)
     specialise = getattr(compiled, "get_call_template", None)

@@ -97,8 +97,8 @@ def assemble(frames, s, n, blocks, k3, omega, force, diagonal, upper, gradient, 
     ``diagonal``, ``upper`` (blocks, 3, 3), ``gradient`` (blocks, 3) of the energy alone, and
     ``sides`` (blocks, 3, 3), the transposed constraint rows C_kᵀ.
 
-    With W = [ω], W³ = −a² W, n = m × ω and d = m·ω all products of the module's head are sums of
-    1, [ω], [m] and dyads of ω, m, n and the third row and column of P.
+    With W = [ω], W³ = −a² W, m·ω (``dot``) and m × ω (``side``) all products of the module's head
+    are sums of 1, [ω], [m] and dyads of ω, m, m × ω and the third row and column of P.
     """
     w, m, row, column = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     v, side, moved = np.empty(3), np.empty(3), np.empty(3)

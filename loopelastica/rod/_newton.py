@@ -249,7 +249,7 @@ def _search(
 
 @kernel
 def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance, most):
-    """Drive the loads ``f`` (6,) to the clamping, in place, in at most ``most`` search steps.
+    """Drive the loads ``f`` (6,) to the clamping, in place; ``most`` as in `_search`.
 
     Returns (status, residual, iterations, y) with the residual of the check mesh and the end
     state (7,) there.

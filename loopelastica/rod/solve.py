@@ -212,17 +212,18 @@ def from_record(
     record: tuple[Array, Array, Array, Array],
 ) -> Equilibrium:
     """The equilibrium of an outcome (method, residual, energy, segments) and its record."""
+    from loopelastica.rod._cascade import RELAXED_SHOT
+
     method, residual, energy, segments = outcome
     loads, node_s, node_pose, tail = record
     status = Status.CONVERGED if method else Status.STALLED
     known = (clamping, torsion_ratio, loads, energy, residual, status, METHODS[method])
     if not method:
         return Equilibrium(*known)
-    if METHODS[method].endswith("shooting") and segments == 0:
-        return Equilibrium(*known)
-    if segments == 0:
-        return Equilibrium(*known, tail=tail)
-    return Equilibrium(*known, node_s[: segments + 1], node_pose[: segments + 1])
+    if segments:
+        return Equilibrium(*known, node_s[: segments + 1], node_pose[: segments + 1])
+    # one shot from the start: the loads tell it all
+    return Equilibrium(*known) if method == RELAXED_SHOT else Equilibrium(*known, tail=tail)
 
 
 def solve_batch(
