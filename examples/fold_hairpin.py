@@ -21,6 +21,6 @@ for residue, point in zip(loop.hairpin.residues, loop.candidates[0].trace, stric
     print(residue, point.round(1))
 
 # %% A picture
-from loopelastica.plots import plot_fold  # noqa: E402
+from loopelastica.report.plots import plot_fold  # noqa: E402
 
 plot_fold(loop, Path("fold_hairpin.png"), title="2koc")

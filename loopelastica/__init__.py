@@ -23,15 +23,15 @@ _PUBLIC = {
     "find_hairpins": "molecule.hairpins",
     "Hairpin": "molecule.hairpins",
     "Hairpins": "molecule.hairpins",
-    "fold": "folding",
-    "LoopFold": "folding",
-    "scan": "scanning",
-    "LoopScan": "scanning",
-    "LoopElastica": "analysis",
-    "Candidate": "rank",
+    "fold": "folding.fold",
+    "LoopFold": "folding.fold",
+    "scan": "folding.scan",
+    "LoopScan": "folding.scan",
+    "LoopElastica": "folding.trajectory",
+    "Candidate": "folding.rank",
     "build_atoms": "atoms.model",
     "AtomModel": "atoms.model",
-    "to_dataframe": "table",
+    "to_dataframe": "report.dataframe",
     "LoopelasticaError": "errors",
     "StructureError": "errors",
     "MissingDependencyError": "errors",
@@ -40,18 +40,21 @@ _PUBLIC = {
 __all__ = ["__version__", *_PUBLIC]
 
 if TYPE_CHECKING:
-    from loopelastica.analysis import LoopElastica as LoopElastica
     from loopelastica.atoms.model import AtomModel as AtomModel
     from loopelastica.atoms.model import build_atoms as build_atoms
     from loopelastica.errors import LoopelasticaError as LoopelasticaError
     from loopelastica.errors import MissingDependencyError as MissingDependencyError
     from loopelastica.errors import StructureError as StructureError
-    from loopelastica.folding import LoopFold as LoopFold
-    from loopelastica.folding import fold as fold
+    from loopelastica.folding.fold import LoopFold as LoopFold
+    from loopelastica.folding.fold import fold as fold
+    from loopelastica.folding.rank import Candidate as Candidate
+    from loopelastica.folding.scan import LoopScan as LoopScan
+    from loopelastica.folding.scan import scan as scan
+    from loopelastica.folding.trajectory import LoopElastica as LoopElastica
     from loopelastica.molecule.hairpins import Hairpin as Hairpin
     from loopelastica.molecule.hairpins import Hairpins as Hairpins
     from loopelastica.molecule.hairpins import find_hairpins as find_hairpins
-    from loopelastica.rank import Candidate as Candidate
+    from loopelastica.report.dataframe import to_dataframe as to_dataframe
     from loopelastica.rod.clamping import Clamping as Clamping
     from loopelastica.rod.continuation import continue_clamping as continue_clamping
     from loopelastica.rod.continuation import twist_end as twist_end
@@ -63,9 +66,6 @@ if TYPE_CHECKING:
     from loopelastica.rod.solve import Batch as Batch
     from loopelastica.rod.solve import solve as solve
     from loopelastica.rod.solve import solve_batch as solve_batch
-    from loopelastica.scanning import LoopScan as LoopScan
-    from loopelastica.scanning import scan as scan
-    from loopelastica.table import to_dataframe as to_dataframe
 
 
 def __getattr__(name: str) -> Any:

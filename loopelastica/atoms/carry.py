@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from loopelastica.molecule.stem_ends import StemEnds
+from loopelastica.molecule.ends import StemEnds
 from loopelastica.molecule.strands import Strand, line_cylinder, line_frame, line_length_A
 from loopelastica.rod.equilibrium import Equilibrium
 

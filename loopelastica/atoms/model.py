@@ -25,10 +25,10 @@ from loopelastica.atoms.site import Site, site_of
 from loopelastica.atoms.start import moved_out, shifted, start_on
 from loopelastica.atoms.turn import Turns, turned
 from loopelastica.errors import StructureError
-from loopelastica.folding import LoopFold
+from loopelastica.folding.fold import LoopFold
+from loopelastica.folding.rank import Candidate
 from loopelastica.molecule.nucleotides import BACKBONE, Structure
 from loopelastica.molecule.strands import ideal_strand
-from loopelastica.rank import Candidate
 
 Array = NDArray[np.float64]
 

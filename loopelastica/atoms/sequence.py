@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica.atoms.fibre import fibre_nucleotide
-from loopelastica.folding import LoopFold, checked_parameters, fold_positions
-from loopelastica.molecule._reading import quiet
+from loopelastica.folding.fold import LoopFold, checked_parameters, fold_positions
 from loopelastica.molecule.hairpins import MAX_LOOP, MIN_LOOP, Hairpin
 from loopelastica.molecule.nucleotides import Structure, read_structure
+from loopelastica.molecule.reading import quiet
 from loopelastica.molecule.strands import ideal_strand
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from loopelastica.atoms.chemistry import (
 from loopelastica.atoms.geometry import IdealGeometry, ideal_geometry
 from loopelastica.atoms.turn import Stem
 from loopelastica.errors import StructureError
-from loopelastica.folding import LoopFold
+from loopelastica.folding.fold import LoopFold
 from loopelastica.molecule.nucleotides import BACKBONE, RING, Structure, atom_positions
 
 Array = NDArray[np.float64]

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from loopelastica.atoms.model import AtomModel
 from loopelastica.atoms.site import elements, waters
-from loopelastica.folding import LoopFold
-from loopelastica.molecule._reading import quiet
+from loopelastica.folding.fold import LoopFold
 from loopelastica.molecule.nucleotides import Structure
+from loopelastica.molecule.reading import quiet
 
 Array = NDArray[np.float64]
 

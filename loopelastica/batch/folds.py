@@ -6,9 +6,9 @@ from typing import Any
 
 from loopelastica.batch.journal import Record
 from loopelastica.batch.run import Task, Work
-from loopelastica.folding import LoopFold, fold
+from loopelastica.folding.fold import LoopFold, fold
 from loopelastica.molecule.nucleotides import read_structure
-from loopelastica.output import Folders, row, write_fold
+from loopelastica.report.folder import Folders, row, write_fold
 
 _LOOP = ("file", "loop", "kind", "closing_pair", "sequence", "nucleotides")
 _CLAMP = ("stem_extend_5", "stem_extend_3", "taper", "length_per_nucleotide_A")

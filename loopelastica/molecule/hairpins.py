@@ -174,7 +174,7 @@ def find_hairpins(
 
     Examples
     --------
-    >>> from loopelastica._data import data_path
+    >>> from loopelastica._files import data_path
     >>> for hairpin in find_hairpins(data_path("hairpins/2koc.pdb")):
     ...     print(hairpin.name, hairpin.sequence, hairpin.closing_pair, hairpin.n_pairs)
     A6-9 CUUCGG ('A.C5', 'A.G10') 5

@@ -1,6 +1,6 @@
 """The door: a file or a Universe becomes a table of nucleotides and positions, model by model.
 
->>> from loopelastica._data import data_path
+>>> from loopelastica._files import data_path
 >>> structure = read_structure(data_path("hairpins/2koc.pdb"))
 >>> structure.n_models, "".join(structure.nucleotides.letter)
 (20, 'GGCACUUCGGUGCC')
@@ -18,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica.errors import StructureError
-from loopelastica.molecule._reading import (
+from loopelastica.molecule._recognition import recognize
+from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
+from loopelastica.molecule.reading import (
     Frames,
     TrajectoryFrames,
     first_line,
@@ -27,8 +29,6 @@ from loopelastica.molecule._reading import (
     pdb_records,
     quiet,
 )
-from loopelastica.molecule._recognition import recognize
-from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
 
 __all__ = [
     "ATOM_NAMES",

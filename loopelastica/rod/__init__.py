@@ -21,16 +21,16 @@ quaternion    (w, x, y, z) of R
 ============  ===========================================================================
 
 The way from q to rods: `clamping` (q) → `solve`, `equilibria` → `equilibrium` (what a rod knows of
-itself) → `stability`. Beneath them, compiled (`_compiled`: what, when and how):
+itself) → `stability`. Beneath them, compiled (`jit`: what, when and how):
 
-- `_shooting`, `_newton`: f to end pose with its Jacobian; one guess to a solution, from `stored`;
-- `_cascade`: one start to a solution, through `_tails` (high tension in closed form),
-  `_relaxation` (the discrete rod of least energy) and `_segments` (multiple shooting);
-- `_conjugate`: the second variation.
+- `shooting`, `newton`: f to end pose with its Jacobian; one guess to a solution, from `stored`;
+- `multistart`: one start to a solution, through `boundary_layers` (high tension in closed form),
+  `minimization` (the discrete rod of least energy) and `multiple_shooting` (multiple shooting);
+- `second_variation`: the second variation.
 
-Paths along a moving clamping: `continuation`, whose steps are in `_branch` and `_arclength`.
+Paths along a moving clamping: `continuation`, whose steps are in `_branch` and `arclength`.
 
-The closed form of the paper and its method: `parameters` (p, `_closed_form`, `_cubic`,
-`_elliptic`), `writhe` (eq. 43), `grid` and `paper` with their kernels `_grid`, `_paper_*` and
-`_bulirsch_stoer`: the reference that benchmarks compare with.
+The closed form of the paper and its method: `parameters` (p, `closed_form`, `cubic`,
+`elliptic`), `writhe` (eq. 43), `grid` and `paper` with their kernels `grid_kernels`, `_paper_*` and
+`bulirsch_stoer`: the reference that benchmarks compare with.
 """

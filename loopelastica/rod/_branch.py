@@ -1,6 +1,6 @@
 """Points of a branch of equilibria along a moving clamp, and the way from one to the next.
 
-``continuation`` walks with them; the compiled correction is in ``_arclength``.
+``continuation`` walks with them; the compiled correction is in ``arclength``.
 """
 
 import math
@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from loopelastica.rod._arclength import corrected_step, moving_clamp
 from loopelastica.rod.clamping import Array, Clamping
 from loopelastica.rod.equilibrium import METHODS, Equilibrium, Status
+from loopelastica.rod.kernels.arclength import corrected_step, moving_clamp
 from loopelastica.rod.solve import TOLERANCE, quaternion
 
 # Newton steps of an accepted step
@@ -35,7 +35,7 @@ class Road:
     """Parameter shown to the user per t."""
 
     def clamping(self, t: float) -> Clamping:
-        from loopelastica.rod._rotations import matrix_from_quaternion
+        from loopelastica.rod.kernels.rotations import matrix_from_quaternion
 
         q, p = np.empty(4), np.empty(3)
         moving_clamp(
@@ -83,7 +83,7 @@ def first_point(road: Road, rod: Equilibrium, t: float = 0.0) -> Point | None:
     """The point of a rod, the tangent towards growing t."""
     values = np.append(rod.loads, t)
     if road.start.free_spin:
-        from loopelastica.rod._rotations import rotation_vector
+        from loopelastica.rod.kernels.rotations import rotation_vector
 
         end = rod.poses_without_spin(np.ones(1))[0, 3:]
         turn = rotation_vector(end, quaternion(rod.clamping))
@@ -102,7 +102,7 @@ def turned_downhill(road: Road, rod: Equilibrium) -> Equilibrium:
     Of the circle of rods only few follow when the ends leave the line: those for which
     dE/dt = F·v + M(L)·ω is stationary under the turn. The other is the maximum.
     """
-    from loopelastica.rod._cascade import _turn_about_start
+    from loopelastica.rod.kernels.multistart import _turn_about_start
 
     force, moment = rod.loads[:3], rod.moment(2)[1]
     turning = rod.clamping.rotation @ road.axis
@@ -119,8 +119,8 @@ def turned_downhill(road: Road, rod: Equilibrium) -> Equilibrium:
 
 def by_tails(road: Road, rod: Equilibrium, t: float) -> Equilibrium | None:
     """The rod of two tails at ``t`` next to another rod; None if there is none."""
-    from loopelastica.rod._cascade import _accept_tails, _tails_from_loads
-    from loopelastica.rod._tails import SIZE
+    from loopelastica.rod.kernels.boundary_layers import SIZE
+    from loopelastica.rod.kernels.multistart import _accept_tails, _tails_from_loads
 
     clamping, ratio = road.clamping(t), road.torsion_ratio
     position, q, free = clamping.position, quaternion(clamping), clamping.free_spin
@@ -148,7 +148,7 @@ def root_of_force(values: Array) -> float:
 
 def mesh(values: Array) -> Array | None:
     """Arc lengths of as many nodes as the force needs; None if it is too stiff."""
-    from loopelastica.rod._relaxation import graded_nodes
+    from loopelastica.rod.kernels.minimization import graded_nodes
 
     root = root_of_force(values)
     for most, segments in SEGMENTS:
@@ -164,7 +164,7 @@ def remeshed(road: Road, point: Point) -> Point | None:
     node_s = mesh(point.values)
     if node_s is None or len(node_s) == len(point.node_s):
         return None if node_s is None else point
-    from loopelastica.rod._shooting import sample
+    from loopelastica.rod.kernels.shooting import sample
 
     loads = point.values[:6].copy()
     if road.start.free_spin:

@@ -1,10 +1,10 @@
 """All equilibria of a clamping that many starts can find.
 
-Two kinds of starts take turns. The structured ones of ``_cascade`` (whole turns, sides, kicks) end
-in minima; Newton's method from the nearest stored rods (``stored``) finds saddles as well. What
-they lead to is compared at nine points along the rod: two results are one equilibrium if positions
-and frames agree within `SAME`. Where both ends lie on one line the rod can be turned about it at
-no cost, and two results are one if they agree after such a turn.
+Two kinds of starts take turns. The structured ones of ``multistart`` (whole turns, sides, kicks)
+end in minima; Newton's method from the nearest stored rods (``_library``) finds saddles as well.
+What they lead to is compared at nine points along the rod: two results are one equilibrium if
+positions and frames agree within `SAME`. Where both ends lie on one line the rod can be turned
+about it at no cost, and two results are one if they agree after such a turn.
 
 From how often each equilibrium was hit follows how much is still unseen (Good–Turing: the share of
 hits that were first and only ones is the chance that the next start finds something new). Rounds
@@ -195,7 +195,7 @@ def _stored(clamping: Clamping, torsion_ratio: float, count: int) -> Array:
     """Loads (count, 6) of the stored rods nearest to a clamping."""
     if count == 0:
         return np.empty((0, 6))
-    from loopelastica.rod.stored import stored_rods
+    from loopelastica.rod._library import stored_rods
 
     stored = stored_rods(torsion_ratio, clamping.free_spin)
     loads, _ = stored.nearest(clamping.position[None], clamping.rotation[None], count)
@@ -220,7 +220,7 @@ def _result(found: list[_Found], energy_max: float | None, starts: int) -> Equil
 
 def _from_start(clamping: Clamping, torsion_ratio: float, start: tuple[float, ...]) -> Equilibrium:
     """What one structured start leads to."""
-    from loopelastica.rod._cascade import run_start
+    from loopelastica.rod.kernels.multistart import run_start
 
     record = new_record()
     outcome = run_start(
@@ -231,7 +231,7 @@ def _from_start(clamping: Clamping, torsion_ratio: float, start: tuple[float, ..
 
 
 def _from_guess(clamping: Clamping, torsion_ratio: float, guess: Array) -> Equilibrium:
-    from loopelastica.rod._newton import elastic_energy, newton
+    from loopelastica.rod.kernels.newton import elastic_energy, newton
 
     loads = guess.copy()
     status, residual, _, end = newton(

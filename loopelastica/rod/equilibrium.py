@@ -26,7 +26,7 @@ _WINDING_POINTS = 401
 _DENSITY = 4.0
 
 
-# names of the codes in `_cascade`, and of what `continuation` adds
+# names of the codes in `multistart`, and of what `continuation` adds
 METHODS = (
     "none",
     "shooting from a stored rod",
@@ -184,11 +184,11 @@ class Equilibrium:
 
     def _poses(self, s: Array, torsion_ratio: float) -> Array:
         if len(self.tail):
-            from loopelastica.rod._tails import sample_tails
+            from loopelastica.rod.kernels.boundary_layers import sample_tails
 
             tails: Array = sample_tails(self.tail.copy(), torsion_ratio, s.copy())
             return tails
-        from loopelastica.rod._shooting import sample
+        from loopelastica.rod.kernels.shooting import sample
 
         order = np.argsort(s, kind="stable")
         out = np.empty((len(s), 7))

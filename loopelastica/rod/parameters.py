@@ -4,7 +4,7 @@ Ameline, Haliyo, Huang, Cognet, J. Comput. Phys. 373 (2018) 736, DOI 10.1016/j.j
 eq. 8–28. In Landau's frame, with the force along e_k and μ = √(K0/F) as the unit of length, an
 equilibrium is determined by six numbers p = (λ, t_P, a, φ0, s_ini/μ, L/μ): three constants of the
 infinite rod, the spin of its frame, and the piece that is cut out of it. The closed form that
-evaluates them is told in :mod:`loopelastica.rod._closed_form`.
+evaluates them is told in :mod:`loopelastica.rod.kernels.closed_form`.
 
 In units L = 1 and K0 = 1 (those of the loads) the force is (L/μ)² and a moment (L/μ) times its
 value in units K0/μ. A rod without force has no μ and no p: :func:`forceless` draws it.
@@ -50,9 +50,9 @@ def a_min(lam: float, t_p: float) -> float:
     >>> print(f"{a_min(0.0, 0.0):.6f} {a_min(0.5, -0.3):.6f}")
     -2.000000 -1.681675
     """
-    from loopelastica.rod import _cubic
+    from loopelastica.rod.kernels import cubic
 
-    return float(_cubic.a_min(float(lam), float(t_p)))
+    return float(cubic.a_min(float(lam), float(t_p)))
 
 
 def _arc_lengths(n: int | ArrayLike) -> NDArray[np.float64]:
@@ -108,12 +108,12 @@ def forceless(
     >>> print(line[-1].round(6))
     [0.63662 0.      0.63662]
     """
-    from loopelastica.rod import _closed_form
+    from loopelastica.rod.kernels import closed_form
 
     vector = np.array(moment, dtype=np.float64)
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise ValueError("`moment` must be three finite numbers")
-    line, frames = _closed_form.forceless_along(
+    line, frames = closed_form.forceless_along(
         vector, _torsion_ratio(torsion_ratio), _arc_lengths(n)
     )
     return line, frames
@@ -199,7 +199,7 @@ class PhysicalParameters:
         >>> print(f"{p.lam:.6f} {p.t_p:.6f} {p.a:.6f}")
         0.747836 0.660730 2.060126
         """
-        from loopelastica.rod import _closed_form
+        from loopelastica.rod.kernels import closed_form
 
         values = np.array(loads, dtype=np.float64)
         if values.shape != (6,) or not np.isfinite(values).all():
@@ -208,21 +208,21 @@ class PhysicalParameters:
         force = float(np.linalg.norm(values[:3]))
         if force <= _NO_FORCE * max(1.0, float(values[3:] @ values[3:])):
             return None
-        return cls(*_closed_form.physical_from_loads(*values.tolist(), ratio))
+        return cls(*closed_form.physical_from_loads(*values.tolist(), ratio))
 
     @property
     def period(self) -> float:
         """s_per/μ, the period of the distance from the axis; inf where the rod is homoclinic."""
-        from loopelastica.rod import _closed_form
+        from loopelastica.rod.kernels import closed_form
 
-        return float(_closed_form.period(self.lam, self.t_p, self.a))
+        return float(closed_form.period(self.lam, self.t_p, self.a))
 
     def _along(
         self, n: int | ArrayLike, torsion_ratio: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        from loopelastica.rod import _closed_form
+        from loopelastica.rod.kernels import closed_form
 
-        line, frames = _closed_form.rod_along(
+        line, frames = closed_form.rod_along(
             self.lam,
             self.t_p,
             self.a,
@@ -301,10 +301,10 @@ class PhysicalParameters:
         >>> print(p.loads().round(6) + 0.0)
         [ 0.        0.       -4.       -2.828427  0.        0.      ]
         """
-        from loopelastica.rod import _closed_form
+        from loopelastica.rod.kernels import closed_form
 
         return np.array(
-            _closed_form.loads_from_physical(
+            closed_form.loads_from_physical(
                 self.lam,
                 self.t_p,
                 self.a,

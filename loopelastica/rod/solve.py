@@ -1,10 +1,10 @@
 """From a clamping to an equilibrium: a cascade of starts, each judged independently.
 
-Starts are structured (``_cascade``): an axis of tension with a whole number of turns, each end tail
-on one side or the other. They go through closed-form tails, multiple shooting and the discrete rod.
-The lowest of their results was the lowest of all known ones wherever this was compared with random
-starts; it is not proven to be. For many poses of which any equilibrium will do, Newton's method
-from the nearest stored rods (``stored``) comes first; a single pose does not load them.
+Starts are structured (``multistart``): an axis of tension with a whole number of turns, each end
+tail on one side or the other. They go through closed-form tails, multiple shooting and the discrete
+rod. The lowest of their results was the lowest of all known ones wherever this was compared with
+random starts; it is not proven to be. For many poses of which any equilibrium will do, Newton's
+method from the nearest stored rods (``_library``) comes first; a single pose does not load them.
 """
 
 import itertools
@@ -157,7 +157,7 @@ def from_standard_starts(
     clamping: Clamping, torsion_ratio: float, lowest: bool = False
 ) -> Equilibrium:
     """The first or the lowest equilibrium that the compiled cascade finds, for a slack clamping."""
-    from loopelastica.rod._cascade import run_starts
+    from loopelastica.rod.kernels.multistart import run_starts
 
     record = new_record()
     outcome = run_starts(
@@ -185,16 +185,16 @@ def _by_detour(rod: Equilibrium, lowest: bool) -> Equilibrium:
 
 def quaternion(clamping: Clamping) -> Array:
     """End frame as a quaternion (w, x, y, z)."""
-    from loopelastica.rod._rotations import quaternion_from_matrix
+    from loopelastica.rod.kernels.rotations import quaternion_from_matrix
 
     q: Array = quaternion_from_matrix(clamping.rotation.copy())
     return q
 
 
 def new_record() -> tuple[Array, Array, Array, Array]:
-    """Room for what ``_cascade`` writes: loads, node_s, node_pose, tail."""
-    from loopelastica.rod._cascade import NODES
-    from loopelastica.rod._tails import SIZE
+    """Room for what ``multistart`` writes: loads, node_s, node_pose, tail."""
+    from loopelastica.rod.kernels.boundary_layers import SIZE
+    from loopelastica.rod.kernels.multistart import NODES
 
     return np.zeros(6), np.empty(NODES), np.empty((NODES, 7)), np.zeros(SIZE)
 
@@ -212,7 +212,7 @@ def from_record(
     record: tuple[Array, Array, Array, Array],
 ) -> Equilibrium:
     """The equilibrium of an outcome (method, residual, energy, segments) and its record."""
-    from loopelastica.rod._cascade import RELAXED_SHOT
+    from loopelastica.rod.kernels.multistart import RELAXED_SHOT
 
     method, residual, energy, segments = outcome
     loads, node_s, node_pose, tail = record
@@ -340,12 +340,12 @@ def _solve_rows(
     free_spin: bool, lowest: bool, batch: Batch,
 ) -> None:  # fmt: skip
     """Solve the given rows; results into ``batch``."""
-    from loopelastica.rod._cascade import run_batch
+    from loopelastica.rod.kernels.multistart import run_batch
 
     n = len(rows)
     guesses, known = np.zeros((n, 0, 6)), np.zeros(n, dtype=np.int64)
     if not lowest:
-        from loopelastica.rod.stored import stored_rods
+        from loopelastica.rod._library import stored_rods
 
         stored = stored_rods(torsion_ratio, free_spin)
         guesses, known = stored.nearest(positions[rows], rotations[rows], _NEIGHBOURS, _NEAR)

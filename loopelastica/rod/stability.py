@@ -2,8 +2,8 @@
 
 The index is the number of independent directions in which the energy falls while both ends stay
 clamped; zero is a local minimum. It is counted from conjugate points and from the inertia of a
-discretized Hessian (see ``_conjugate``). Where they differ — multiple conjugate points, which sign
-changes miss in pairs, or a point on the verge — the discretization is refined until two meshes
+discretized Hessian (see ``second_variation``). Where they differ — multiple conjugate points, which
+sign changes miss in pairs, or a point on the verge — the discretization is refined until two meshes
 agree, and decides. For √F above `STIFF` only the inertia is used: det V has lost its digits there.
 
 A rod stretched straight has nowhere to go and is stable. Where both ends lie on one line the turn
@@ -66,8 +66,8 @@ def morse_index(rod: Equilibrium) -> int:
 
 def conjugate_points(rod: Equilibrium) -> int:
     """Sign changes of det V in (0, L): conjugate points of odd multiplicity."""
-    from loopelastica.rod._conjugate import sign_changes
-    from loopelastica.rod._shooting import moment_bound
+    from loopelastica.rod.kernels.second_variation import sign_changes
+    from loopelastica.rod.kernels.shooting import moment_bound
 
     # several points per radian of the fastest turning
     loads = rod.loads.copy()
@@ -78,8 +78,8 @@ def conjugate_points(rod: Equilibrium) -> int:
 
 
 def _inertia(rod: Equilibrium, root: float, n: int) -> int:
-    from loopelastica.rod._conjugate import inertia
-    from loopelastica.rod._relaxation import graded_nodes
+    from loopelastica.rod.kernels.minimization import graded_nodes
+    from loopelastica.rod.kernels.second_variation import inertia
 
     s = np.empty(n + 1)
     graded_nodes(n, min(root, 200.0), s)

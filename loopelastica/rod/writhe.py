@@ -38,7 +38,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from loopelastica.rod._compiled import kernel
+from loopelastica.rod.kernels.jit import kernel
 
 __all__ = ["net_winding", "polar_writhe", "twist", "writhe"]
 

@@ -3,7 +3,7 @@
 import pytest
 
 import loopelastica as le
-from loopelastica._data import data_path
+from loopelastica._files import data_path
 from loopelastica.atoms.model import build_atoms
 from loopelastica.atoms.write import LoopAtoms
 from loopelastica.molecule.nucleotides import read_structure

@@ -6,7 +6,7 @@ from loopelastica.atoms.carry import Line, own_phase
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.turn import place
 from loopelastica.molecule.clamp_rule import StemClamp
-from loopelastica.molecule.stem_ends import StemEnds
+from loopelastica.molecule.ends import StemEnds
 from loopelastica.molecule.strands import ideal_strand, line_frame, line_length_A
 
 

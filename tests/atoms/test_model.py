@@ -6,7 +6,7 @@ import loopelastica as le
 from loopelastica.atoms.checks import bond_lengths
 from loopelastica.atoms.model import LINE_SD_A, build_atoms
 from loopelastica.errors import StructureError
-from loopelastica.folding import fold_positions
+from loopelastica.folding.fold import fold_positions
 from loopelastica.molecule.nucleotides import read_structure
 
 
@@ -75,7 +75,7 @@ def test_limits_and_impossible_input_are_told(koc, fold):
 
 
 def test_a_stem_without_the_atoms_of_a_junction_is_refused(tmp_path):
-    from loopelastica._data import data_path
+    from loopelastica._files import data_path
 
     lines = data_path("hairpins/2koc.pdb").read_text().split("ENDMDL")[0].splitlines()
     path = tmp_path / "no_p.pdb"

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from loopelastica._data import data_path
+from loopelastica._files import data_path
 from loopelastica.atoms.sequence import ideal_hairpin, read_sequence
-from loopelastica.cli import app
+from loopelastica.cli.app import app
 from loopelastica.molecule.nucleotides import atom_positions
 from loopelastica.molecule.pairs import canonical_pairs
 
@@ -86,7 +86,7 @@ def test_fold_writes_atoms_only_when_asked(tmp_path):
 def test_the_atoms_are_not_loaded_unless_asked_for():
     # (MDAnalysis itself loads parts of rdkit where that is installed)
     code = (
-        "import sys, loopelastica as le; from loopelastica._data import data_path;"
+        "import sys, loopelastica as le; from loopelastica._files import data_path;"
         "le.fold(data_path('hairpins/2koc.pdb'), all_models=False);"
         "assert not any(m.startswith('loopelastica.atoms') for m in sys.modules)"
     )

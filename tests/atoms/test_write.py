@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from rdkit import Chem
 
-from loopelastica._data import data_path
+from loopelastica._files import data_path
 from loopelastica.atoms.write import write_atoms
 
 

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from loopelastica._data import data_path
+from loopelastica._files import data_path
 from loopelastica.batch.folds import FOLDS
 from loopelastica.batch.run import run, tasks_of
-from loopelastica.folding import checked_parameters
+from loopelastica.folding.fold import checked_parameters
 
 ROOT = Path(__file__).resolve().parents[2]
 OPTIONS = {**checked_parameters(all_models=False), "plot": False}
@@ -80,7 +80,7 @@ def test_a_run_killed_three_times_gives_the_undisturbed_table(files, undisturbed
     pytest.importorskip("distributed")
     out = tmp_path / "out"
     command = [
-        *(sys.executable, "-m", "loopelastica.cli", "fold", *map(str, files), "-o", str(out)),
+        *(sys.executable, "-m", "loopelastica.cli.app", "fold", *map(str, files), "-o", str(out)),
         *("--jobs", "2", "--first-model", "--no-plot"),
     ]
     kills = 0

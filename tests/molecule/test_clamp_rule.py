@@ -7,8 +7,8 @@ import pytest
 
 from loopelastica.errors import StructureError
 from loopelastica.molecule.clamp_rule import StemClamp, default_clamp, expected_rmsd_A, plain_clamp
+from loopelastica.molecule.ends import placed_stem, stem_ends
 from loopelastica.molecule.hairpins import find_hairpins
-from loopelastica.molecule.stem_ends import placed_stem, stem_ends
 
 
 @pytest.mark.parametrize("n", range(1, 31))

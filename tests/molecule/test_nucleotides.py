@@ -201,7 +201,7 @@ def test_an_unknown_atom_name_is_refused(koc):
 
 def test_importing_the_molecule_does_not_import_mdanalysis():
     code = (
-        "import sys, loopelastica.molecule.stem_ends, loopelastica.molecule.trace;"
+        "import sys, loopelastica.molecule.ends, loopelastica.molecule.trace;"
         "print([m for m in ('MDAnalysis', 'scipy', 'gemmi') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

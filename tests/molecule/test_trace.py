@@ -7,9 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from loopelastica.errors import StructureError
+from loopelastica.molecule.ends import stem_ends
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import centroids
-from loopelastica.molecule.stem_ends import stem_ends
 from loopelastica.molecule.strands import A_RNA, line_frame
 from loopelastica.molecule.trace import (
     loop_arc_positions,

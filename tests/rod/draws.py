@@ -21,7 +21,7 @@ def loads(rng, n, force=60.0, moment=12.0):
 
 def load_drawn(rng, n, torsion_ratio=1.0, free_spin=False, below=0.95):
     """End poses (positions, rotations) of random loads, kept where |η| < ``below``."""
-    from loopelastica.rod._shooting import ends
+    from loopelastica.rod.kernels.shooting import ends
 
     f = loads(rng, 4 * n)
     if free_spin:

@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from loopelastica.rod import _closed_form, _cubic, _elliptic, parameters
+from loopelastica.rod import parameters
+from loopelastica.rod.kernels import closed_form, cubic, elliptic
 from loopelastica.rod.parameters import PhysicalParameters, a_min, forceless
 
 FIG_6 = [
@@ -54,8 +55,8 @@ def refined(start, q, torsion_ratio, steps=60):
     target = Clamping.from_parameters(q)
 
     def miss(f):
-        line, frames = _closed_form.rod_along(
-            *_closed_form.physical_from_loads(*f, torsion_ratio), torsion_ratio, np.ones(1)
+        line, frames = closed_form.rod_along(
+            *closed_form.physical_from_loads(*f, torsion_ratio), torsion_ratio, np.ones(1)
         )
         r = target.rotation.T @ frames[0]
         turn = 0.5 * np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
@@ -257,9 +258,9 @@ def test_period_is_that_of_the_distance_from_the_axis():
     rng = np.random.default_rng(6)
     for _ in range(20):
         p = random_parameters(rng)
-        c, scale = _closed_form.constants(p.lam, p.t_p, p.a)
+        c, scale = closed_form.constants(p.lam, p.t_p, p.a)
         places = np.array([0.3, 1.3, -0.3, 0.5, 0.0]) * p.period
-        rho = [math.hypot(*_closed_form.rod_at(s, c, scale)[4:6]) for s in places]
+        rho = [math.hypot(*closed_form.rod_at(s, c, scale)[4:6]) for s in places]
         assert rho[:3] == pytest.approx([rho[0]] * 3, abs=1e-12)
         assert rho[3] < rho[0] < rho[4]
     assert math.isinf(PhysicalParameters(1.0, 1.0, 2.0, 0.0, 0.0, 1.0).period)
@@ -287,7 +288,7 @@ def test_solutions_of_figure_7(rank):
 def test_doctests_of_the_kernels_and_of_this_module():
     assert doctest.testmod(parameters, extraglobs={"np": np}).failed == 0
     runner, finder = doctest.DocTestRunner(), doctest.DocTestFinder()
-    for module in (_closed_form, _cubic, _elliptic):
+    for module in (closed_form, cubic, elliptic):
         for name, kernel in vars(module).items():
             if getattr(kernel, "__module__", None) == module.__name__:
                 for test in finder.find(getattr(kernel, "py_func", kernel), name,

@@ -86,7 +86,7 @@ def test_rotating_the_start_frame_rotates_the_loads(rng):
 
 
 def test_reversed_and_mirrored_loads_solve_the_reversed_and_mirrored_clamping(rng):
-    from loopelastica.rod._shooting import ends
+    from loopelastica.rod.kernels.shooting import ends
 
     flip, mirror = np.diag([1.0, -1, -1]), np.diag([1.0, -1, 1])
     for position, rotation in zip(*load_drawn(rng, 10, 0.7), strict=True):

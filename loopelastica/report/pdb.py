@@ -1,0 +1,279 @@
+"""The fold put back into the whole structure, and scripts that show it in PyMOL and ChimeraX."""
+
+from __future__ import annotations
+
+import os
+import string
+import tempfile
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from loopelastica import __version__
+from loopelastica.folding.fold import LoopFold
+from loopelastica.molecule.nucleotides import Structure, is_pdb, pdb_records, quiet
+from loopelastica.rod.clamping import Array
+
+POINT = "CEN"
+"""Atom name of the point of the line that stands for a nucleotide."""
+
+WHOLE_ATOMS = 20_000
+"""Most atoms of a structure that is written once more for each loop unless it is asked for: all
+loops of a ribosome would make half a gigabyte."""
+
+_ATOMS = ("ATOM  ", "HETATM")
+# The first ten colours of matplotlib, so that plot.png and the scripts agree.
+_COLOURS = ("1f77b4", "ff7f0e", "2ca02c", "d62728", "9467bd",
+            "8c564b", "e377c2", "7f7f7f", "bcbd22", "17becf")  # fmt: skip
+# A minus sign that PyMOL does not take for a range.
+_MINUS = "\\"
+_LETTERS = string.ascii_uppercase + string.ascii_lowercase + string.digits
+
+
+def one_letter_chains(chains: Iterable[str]) -> dict[str, str]:
+    """A letter of the PDB format for each chain: its own where it has one, else the first free one.
+
+    Chains beyond the 62nd share the letter Z.
+
+    >>> one_letter_chains(["AA", "A", "", "AB"])
+    {'AA': 'B', 'A': 'A', '': '', 'AB': 'C'}
+    """
+    chains = list(dict.fromkeys(chains))
+    free = iter([letter for letter in _LETTERS if letter not in chains])
+    return {chain: chain if len(chain) <= 1 else next(free, "Z") for chain in chains}
+
+
+def renamed_chains(letters: dict[str, str]) -> list[str]:
+    """REMARK records that tell which chains the PDB format made one letter."""
+    return [
+        f"REMARK  99 CHAIN {chain} IS WRITTEN AS {letter}"
+        for chain, letter in letters.items()
+        if chain != letter
+    ]
+
+
+def point_records(
+    fold: LoopFold, structure: Structure, trace: Array, chain: str, rank: int, serial: int
+) -> list[str]:
+    """ATOM records of a trace (n, 3): one point per loop nucleotide, the rank in the B column."""
+    from MDAnalysis.coordinates.PDB import PDBWriter
+
+    hairpin, names = fold.hairpin, structure.nucleotides.resname
+    return [
+        PDBWriter.fmt["ATOM"]
+        .format(
+            serial=(serial + k) % 100_000,
+            name=f" {POINT}",
+            altLoc="",
+            resName=f"{'N' if row < 0 else names[row][:3]:>3s} ",
+            chainID=chain,
+            resSeq=int(hairpin.resid[k]) % 10_000 if hairpin.resid[k] >= 0 else hairpin.resid[k],
+            iCode=hairpin.icode[k],
+            pos=trace[k],
+            occupancy=1.0,
+            tempFactor=float(rank),
+            segID="",
+            element="X",
+            charge="",
+        )
+        .rstrip("\n")
+        for k, row in enumerate(hairpin.loop)
+    ]
+
+
+def bond_records(serial: int, n: int) -> list[str]:
+    """CONECT records that join n points in a row; none where serial numbers have run over."""
+    if serial + n > 100_000:
+        return []
+    return [f"CONECT{k:5d}{k + 1:5d}" for k in range(serial, serial + n - 1)]
+
+
+class WholeStructure:
+    """The first model of a structure as PDB records, to be written with a loop replaced.
+
+    The records of a PDB file are kept byte for byte. Of other formats the records are made anew,
+    and chains of several letters get one, which the file says.
+    """
+
+    def __init__(self, structure: Structure) -> None:
+        self._structure = structure
+        residues = structure.universe.atoms.resindices
+        path = Path(structure.source) if structure.source else None
+        self._records = pdb_records(path) if path and is_pdb(path) else []
+        self._letters: dict[str, str] = {}
+        if sum(record.startswith(_ATOMS) for record in self._records) != len(residues):
+            chains = _chains(structure.universe)
+            self._letters = one_letter_chains(chains)
+            self._records = _made_anew(structure, [self._letters[chain] for chain in chains])
+        atom = np.cumsum([record.startswith(_ATOMS) for record in self._records]) - 1
+        own = np.array([record.startswith((*_ATOMS, "ANISOU")) for record in self._records])
+        # The residue of each record, −1 for those of no residue.
+        self._residue = np.where(own, residues[atom], -1)
+        serials = [r[6:11].strip() for r in self._records if r.startswith(_ATOMS)]
+        self._serial = 1 + max((int(serial) for serial in serials if serial.isdigit()), default=0)
+
+    def write(self, path: Path, fold: LoopFold) -> None:
+        """Write a PDB file: the first-ranked trace in place of the loop, all else as it was."""
+        first, hairpin = fold.candidates[0], fold.hairpin
+        keep = ~np.isin(self._residue, list(self._loop_residues(fold)))
+        closing = self._residue_of(int(hairpin.stem_5[0]))
+        after = int(np.flatnonzero(self._residue == closing)[-1]) + 1
+        # the chain as the file has it, which may be blank where segments name the strands
+        chain = self._records[after - 1][21]
+        points = point_records(fold, self._structure, first.trace, chain, 1, self._serial)
+        records = np.array(self._records, dtype=object)
+        ends = f"{hairpin.residues[0]} TO {hairpin.residues[-1]}"
+        lines = [
+            f"REMARK  99 LOOPELASTICA {__version__}: {ends} ARE POINTS {POINT} OF THE ELASTIC LINE",
+            "REMARK  99 OF LEAST ENERGY; ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL",
+            *renamed_chains(self._letters),
+            *records[:after][keep[:after]],
+            *points,
+            *records[after:][keep[after:]],
+            *bond_records(self._serial, len(points)),
+            "END",
+        ]
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+    def _residue_of(self, row: int) -> int:
+        table = self._structure.nucleotides
+        return int(self._structure.universe.atoms.resindices[table.columns(("C1'",))[row, 0]])
+
+    def _loop_residues(self, fold: LoopFold) -> Iterator[int]:
+        """Residues of the loop, with those that share a place with one of them by altlocs."""
+        universe, table = self._structure.universe, self._structure.nucleotides
+        for row in fold.hairpin.loop[fold.hairpin.loop >= 0]:
+            here = self._residue_of(int(row))
+            yield here
+            if table.altloc[row]:
+                residues = universe.residues
+                place = (residues.resids == residues.resids[here]) & (
+                    residues.segids == residues.segids[here]
+                )
+                if hasattr(residues, "icodes"):
+                    place &= residues.icodes == residues.icodes[here]
+                yield from np.flatnonzero(place).tolist()
+
+
+def _chains(universe: Any) -> list[str]:
+    """Chain of each atom, else its segment, "" where the file names neither."""
+    chains = getattr(universe.atoms, "chainIDs", universe.atoms.segids)
+    segments = np.where(universe.atoms.segids == "SYSTEM", "", universe.atoms.segids)
+    return [str(chain) for chain in np.where(chains == "", segments, chains)]
+
+
+def _made_anew(structure: Structure, chains: list[str]) -> list[str]:
+    """PDB records of the first model of a structure that came in another format."""
+    with tempfile.TemporaryDirectory() as folder, quiet():
+        path = Path(folder) / "whole.pdb"
+        copy = structure.universe.copy()
+        copy.add_TopologyAttr("chainIDs", chains)
+        copy.atoms.positions = structure.positions(0)
+        copy.atoms.write(str(path), bonds=None)
+        # MDAnalysis begins residue names at the left, the format ends them at the right
+        return [
+            f"{r[:17]}{r[17:21].strip():>3s}{r[20:] if r[20] == ' ' else r[21:]}"
+            if r.startswith(_ATOMS)
+            else r
+            for r in pdb_records(path)
+        ]
+
+
+def write_pymol(path: Path, fold: LoopFold, source: str, chain: str) -> None:
+    """Write a PyMOL script: the candidates as sticks over the file's own structure.
+
+    Parameters
+    ----------
+    path : Path
+        The script; traces.pdb is beside it.
+    fold : LoopFold
+        What was folded.
+    source : str
+        Path of the structure file, from the folder of the script.
+    chain : str
+        Chain of the loop as a viewer knows it, "" where it knows none.
+    """
+    place = " and ".join([f"chain {chain}"] * bool(chain) + [f"resi {_numbers(fold, '+', _MINUS)}"])
+    lines = [
+        _headline(fold),
+        "# Run it in this folder: pymol view.pml",
+        # the lines of the candidates are their CONECT records
+        "set connect_mode, 1",
+        "load traces.pdb, candidates",
+        "split_states candidates, prefix=rank_",
+        "delete candidates",
+        "set connect_mode, 0",
+        f"load {source}, native",
+        "hide everything",
+        "show cartoon, native",
+        "color grey70, native",
+        f"select loop, native and {place}",
+        "show sticks, loop",
+        "color grey40, loop",
+        "set all_states, off",
+        "set stick_radius, 0.12, native",
+    ]
+    for candidate in fold.candidates:
+        name = f"rank_{candidate.rank:04d}"
+        lines += [
+            f"show sticks, {name}",
+            f"show spheres, {name}",
+            f"color 0x{_COLOURS[(candidate.rank - 1) % len(_COLOURS)]}, {name}",
+            f"set stick_radius, {0.4 if candidate.rank == 1 else 0.2}, {name}",
+            f"set sphere_scale, {0.35 if candidate.rank == 1 else 0.2}, {name}",
+        ]
+    lines += ["deselect", "orient rank_0001", "zoom rank_0001, 12"]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def write_chimerax(path: Path, fold: LoopFold, source: str, chain: str, n_models: int) -> None:
+    """Write a ChimeraX script of the same content for a file of `n_models` models."""
+    several = len(fold.candidates) > 1
+    chain = f"/{chain}" if chain else ""
+    native = "#2.1" if n_models > 1 else "#2"
+    lines = [
+        _headline(fold),
+        "open traces.pdb",
+        f'open "{source}"',
+        "hide atoms",
+        "hide #2 models",
+        "show #2 models" if native == "#2" else "show #2.1 models",
+        f"cartoon {native}",
+        f"color {native} gray",
+        f"show {native}{chain}:{_numbers(fold, ',', '')} atoms",
+        "show #1 atoms",
+        "style #1 ball",
+    ]
+    for candidate in fold.candidates:
+        model = f"#1.{candidate.rank}" if several else "#1"
+        lines += [
+            f"color {model} #{_COLOURS[(candidate.rank - 1) % len(_COLOURS)]}",
+            f"size {model} stickRadius {0.4 if candidate.rank == 1 else 0.2}",
+        ]
+    lines += [f"view #1{'.1' if several else ''}"]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _headline(fold: LoopFold) -> str:
+    pair = "–".join(fold.hairpin.closing_pair)
+    return f"# loopelastica {__version__}: the candidates for {pair} over the file's own loop."
+
+
+def _numbers(fold: LoopFold, joint: str, minus: str) -> str:
+    """Residue numbers of the loop as a viewer reads them, a negative one after the sign `minus`."""
+    hairpin = fold.hairpin
+    return joint.join(
+        f"{minus if number < 0 else ''}{number}{icode}"
+        for number, icode in zip(hairpin.resid, hairpin.icode, strict=True)
+    )
+
+
+def path_from(folder: Path, file: Path) -> str:
+    """Path of a file as seen from a folder, so that both can be moved together."""
+    try:
+        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
+    except ValueError:
+        # another drive
+        return file.resolve().as_posix()

@@ -1,0 +1,117 @@
+"""Pictures; matplotlib is loaded when the first one is drawn."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from loopelastica.folding.fold import LoopFold
+from loopelastica.molecule.trace import smoothed_line, to_file_coordinates
+from loopelastica.rod.clamping import Array
+
+_POINTS = 101
+
+
+def plot_fold(fold: LoopFold, path: Path, title: str = "", sticks: Array | None = None) -> None:
+    """Draw the candidates and the native line from two sides, and the curvature along the loop.
+
+    ``sticks`` (m, 2, 3) are the bonds of the first candidate's atoms, Å.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    assert fold.ends is not None
+    figure = Figure(figsize=(11.0, 4.2))
+    FigureCanvasAgg(figure)
+    axes = dict(zip(("front", "side", "curvature"), figure.subplots(1, 3), strict=True))
+    middle, across, depth, up = _view(fold)
+    for name, horizontal in (("front", across), ("side", depth)):
+
+        def flat(points: Array, along: Array = horizontal) -> Array:
+            return np.asarray((points - middle) @ np.column_stack([along, up]))
+
+        if sticks is not None:
+            _draw_sticks(axes[name], flat(sticks))
+        _draw_lines(axes[name], fold, flat)
+        axes[name].set_title(f"{title} {name}" if name == "front" else name, fontsize=9)
+        axes[name].set_xlabel("Å")
+    _same_scale(axes["front"], axes["side"])
+    _draw_curvature(axes["curvature"], fold)
+    # fixed margins: a layout engine would draw the picture twice
+    figure.subplots_adjust(left=0.05, right=0.985, bottom=0.13, top=0.92, wspace=0.2)
+    axes["front"].legend(loc="upper left", fontsize=7, frameon=False)
+    figure.savefig(path, dpi=120)
+
+
+def _colour(rank: int) -> Any:
+    return f"C{(rank - 1) % 10}"
+
+
+def _view(fold: LoopFold) -> tuple[Array, Array, Array, Array]:
+    """Origin and axes of the picture: along the stem ends' chord, into it, and away from it."""
+    assert fold.ends is not None
+    start, end = np.asarray(fold.ends.start_origin_A), np.asarray(fold.ends.end_origin_A)
+    top = fold.candidates[0].trace.mean(axis=0)
+    middle = 0.5 * (start + end)
+    x = (end - start) / np.linalg.norm(end - start)
+    z = top - middle - x * float((top - middle) @ x)
+    # a loop that lies on the chord has no "up": any direction across will do
+    if np.linalg.norm(z) < 1e-6:
+        z = np.cross(x, np.eye(3)[np.argmin(np.abs(x))])
+    z = z / np.linalg.norm(z)
+    return middle, x, np.cross(z, x), z
+
+
+def _draw_lines(axes: Any, fold: LoopFold, flat: Callable[[Array], Array]) -> None:
+    assert fold.ends is not None
+    for candidate in reversed(fold.candidates):
+        points = to_file_coordinates(
+            candidate.rod.centerline(_POINTS),
+            fold.ends.start_origin_A,
+            fold.ends.start_frame,
+            candidate.length_A,
+        )
+        first = candidate.rank == 1
+        label = f"{candidate.rank}: E/K0 {candidate.energy_per_A:.3f} /Å"
+        if candidate.rmsd_A is not None:
+            label += f", {candidate.rmsd_A:.2f} Å"
+        axes.plot(
+            *flat(points).T, color=_colour(candidate.rank), lw=2.2 if first else 1.0, label=label
+        )
+        if first:
+            axes.plot(*flat(candidate.trace).T, "o", color=_colour(1), ms=4)
+    if fold.backbone_A is not None:
+        smooth = flat(smoothed_line(fold.backbone_A, _POINTS))
+        axes.plot(*smooth.T, color="0.25", lw=1.4, ls="--", label="file (smoothed)")
+        axes.plot(*flat(fold.backbone_A[1:-1]).T, "s", color="0.25", ms=3)
+
+
+def _draw_sticks(axes: Any, sticks: Array) -> None:
+    from matplotlib.collections import LineCollection
+
+    axes.add_collection(
+        LineCollection(sticks, colors="0.6", linewidths=0.9, label="atoms of 1"), autolim=True
+    )
+
+
+def _same_scale(*both: Any) -> None:
+    """Squares of one scale, with room for the legend above."""
+    low = min(axes.dataLim.y0 for axes in both)
+    high = max(axes.dataLim.y1 for axes in both)
+    size = 1.1 * max(high - low, *(axes.dataLim.width for axes in both))
+    for axes in both:
+        middle = 0.5 * (axes.dataLim.x0 + axes.dataLim.x1)
+        axes.set_xlim(middle - 0.5 * size, middle + 0.5 * size)
+        axes.set_ylim(low - 0.05 * size, low + 0.95 * size)
+        axes.set_aspect("equal")
+
+
+def _draw_curvature(axes: Any, fold: LoopFold) -> None:
+    for candidate in reversed(fold.candidates):
+        s = np.linspace(0.0, candidate.length_A, _POINTS)
+        curvature = candidate.rod.curvature(_POINTS) / candidate.length_A
+        axes.plot(s, curvature, color=_colour(candidate.rank), lw=2.0 if candidate.rank == 1 else 1)
+    axes.set_xlabel("arc length (Å)")
+    axes.set_ylabel("curvature (1/Å)")
+    axes.set_ylim(bottom=0)

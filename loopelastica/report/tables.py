@@ -1,0 +1,134 @@
+"""Tables on the screen, by rich."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from loopelastica.folding.fold import LoopFold
+    from loopelastica.folding.scan import LoopScan
+    from loopelastica.rod.equilibria import Equilibria
+
+
+def console() -> Console:
+    """Where tables go."""
+    terminal = Console()
+    # a file or a pipe has no width: leave the numbers whole
+    return terminal if terminal.is_terminal else Console(width=150)
+
+
+def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Table:
+    """Folded loops, a row per candidate."""
+    from loopelastica.report.folder import rmsd_summary
+
+    table = Table(
+        title="Loops folded, least energy first. Energy is no confidence; RMSD without"
+        " superposition, where the file has the loop.",
+        title_justify="left",
+    )
+    for name in ("file", "closing pair", "sequence"):
+        table.add_column(name, overflow="fold")
+    for name in ("rank", "E/K0 (1/Å)", "E (kT)", "touches", "RMSD (Å)", "models (Å)", "residual"):
+        table.add_column(name, justify="right")
+    table.add_column("folder", overflow="fold")
+    for name, result, folder in results:
+        if isinstance(result, str):
+            table.add_row(name, "not folded: see below")
+            continue
+        pair = "–".join(result.hairpin.closing_pair)
+        if result.failure:
+            table.add_row(name, pair, result.hairpin.sequence, "not folded: see below")
+        for c in result.candidates:
+            mean, deviation, count = rmsd_summary(c)
+            models = "" if mean is None or count < 2 else f"{mean:.2f} ± {deviation:.2f} ({count})"
+            first = c.rank == 1
+            table.add_row(
+                name if first else "",
+                pair if first else "",
+                result.hairpin.sequence if first else "",
+                str(c.rank),
+                f"{c.energy_per_A:.4f}",
+                f"{c.energy_kT:.2f}",
+                c.contacts.touched,
+                "" if c.rmsd_A is None else f"{c.rmsd_A:.2f}",
+                models,
+                f"{c.residual:.0e}",
+                str(folder) if first else "",
+            )
+        table.add_section()
+    return table
+
+
+def scan_table(loop: "LoopScan", shown: int) -> Table:
+    """The shapes of one scan, up to ``shown``."""
+    median, most = loop.expected_rmsd_A
+    table = Table(
+        title=f"{'–'.join(loop.hairpin.closing_pair)} {loop.hairpin.sequence}, by E/K0",
+        caption=f"{min(shown, len(loop.candidates))} of {len(loop.candidates)} shapes, spread"
+        f" {loop.spread_A:.1f} Å. Energy is no confidence: the least deformed shape is not the most"
+        f" probable one. Error to expect of the rule (*) for {len(loop.hairpin)} nucleotides:"
+        f" {median} Å (median), {most} Å (90 %).",
+        title_justify="left",
+        caption_justify="left",
+    )
+    for name in ("rank", "by E·L", "5' 3' ext.", "taper", "free", "E/K0 (1/Å)", "E·L/K0"):
+        table.add_column(name, justify="right")
+    table.add_column("touches")
+    table.add_column("RMSD (Å)", justify="right")
+    for c in loop.candidates[:shown]:
+        clamp, shape = c.ends.clamp, c.candidate
+        table.add_row(
+            f"{shape.rank}{'*' if c.is_rule else ' '}",
+            str(c.rank_by_EL),
+            f"{clamp.stem_extend_5} {clamp.stem_extend_3}",
+            f"{clamp.taper:g}",
+            str(c.ends.n_free),
+            f"{shape.energy_per_A:.4f}",
+            f"{shape.rod.energy:.2f}",
+            shape.contacts.touched,
+            "" if shape.rmsd_A is None else f"{shape.rmsd_A:.2f}",
+        )
+    return table
+
+
+def hairpins_table(found: "list[dict[str, Any]]") -> Table:
+    """Hairpins as `listing` describes them."""
+    table = Table()
+    for name in ("chain", "closing pair", "sequence", "loop", "kind", "stem pairs"):
+        table.add_column(name, overflow="fold")
+    table.add_column("stem fit (Å)", justify="right")
+    for name in ("contacts", "kisses"):
+        table.add_column(name, overflow="fold")
+    for hairpin in found:
+        rms_A, absent = hairpin["stem_rms_A"], hairpin["absent"]
+        fit = "none" if rms_A is None else f"{rms_A:.2f}"
+        table.add_row(
+            hairpin["chain"] or "_",
+            "–".join(hairpin["closing_pair"]),
+            hairpin["sequence"],
+            f"{hairpin['nucleotides']} nt" + (f", {absent} absent" if absent else ""),
+            hairpin["kind"],
+            str(hairpin["stem_pairs"]),
+            fit if hairpin["regular"] else f"{fit}, irregular",
+            ", ".join("–".join(pair) for pair in hairpin["contacts"]),
+            ", ".join(hairpin["kissing"]),
+        )
+    return table
+
+
+def equilibria_table(rods: "Equilibria") -> Table:
+    """Equilibria of a dimensionless rod."""
+    table = Table(title=f"unseen: {rods.unseen:.2f} of further starts", title_justify="left")
+    for name in ("energy", "F (start frame)", "M (start frame)", "twist", "residual"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for rod in rods:
+        table.add_row(
+            f"{rod.energy:.6g}",
+            " ".join(f"{v:9.4g}" for v in rod.loads[:3]),
+            " ".join(f"{v:9.4g}" for v in rod.loads[3:]),
+            f"{rod.twist:.4f}",
+            f"{rod.residual:.0e}",
+        )
+    return table

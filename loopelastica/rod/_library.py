@@ -1,0 +1,160 @@
+"""Initial guesses without the user: rods kept with the poses that they reach.
+
+A rod turned about its start tangent is the same rod (eq. 15–16 of doi:10.1016/j.jcp.2018.07.021),
+so poses are compared in the turned frame where η2 = 0 and η1 ≥ 0. There a pose is the point
+
+    (η1, η3, w R)     in R¹¹ for a clamped end,      (η1, η3, w d3)     in R⁵ for a free end spin,
+
+R the end frame, d3 its tangent; w balances lengths against angles. Euler angles would tear
+neighbours apart at their seams. A KD-tree returns the nearest rods, whose loads are turned back by
+the target's own angle. Other torsion ratios only spin the end frames (K30 never changes the
+center line of given loads), so each ratio has its own tree, built when it is first asked for.
+
+Half of the rods come from random moderate loads, half are the lowest equilibria of random poses, so
+that a pose nearby usually leads to its own lowest equilibrium. They ship in single precision, being
+guesses. ``python -m loopelastica.rod._library`` computes the file anew.
+"""
+
+import functools
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from loopelastica._files import data_path
+from loopelastica.rod.clamping import Array
+from loopelastica.rod.kernels.shooting import ends
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
+
+_WEIGHT = 0.5
+# how much further than the nearest a found one may be: the search takes 0.4 of the time, and the
+# distances grow by a thousandth
+_LAX = 0.6
+_FILE = "rods.npz"
+_SEED, _SIZE = 20180717, 40_000
+# |F| beyond which no pose nearby was reached from stored loads: errors of those grow like exp √F
+_SHOOTABLE = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class StoredRods:
+    """Stored rods of one torsion ratio: reduced loads (n, 6) and the tree over their poses."""
+
+    loads: Array
+    tree: "KDTree"
+    free_spin: bool
+
+    def nearest(
+        self, positions: Array, rotations: Array, count: int, within: float = np.inf
+    ) -> tuple[Array, NDArray[np.intp]]:
+        """Loads (m, count, 6) of the ``count`` stored rods nearest to each of m poses.
+
+        (Hardly ever is one of them not among the nearest, see `_LAX`.) Also how many of each row
+        (m,), nearest first, are not further than ``within``; the loads after these mean nothing.
+        """
+        points, angles = _points(positions, rotations, self.free_spin)
+        ranks = np.arange(1, count + 1)
+        distance, index = self.tree.query(points, ranks, _LAX, distance_upper_bound=within)
+        known = np.isfinite(distance).sum(axis=1)
+        index = np.where(np.isfinite(distance), index, 0)
+        return _turn_loads(self.loads[index], angles[:, None]), known
+
+
+def _turn_loads(loads: Array, angles: Array) -> Array:
+    """Force and moment turned about d3 by ``angles``, shapes (..., 6) and (...)."""
+    c, s = np.cos(angles), np.sin(angles)
+    turned = loads.copy()
+    for i in (0, 3):
+        turned[..., i] = c * loads[..., i] - s * loads[..., i + 1]
+        turned[..., i + 1] = s * loads[..., i] + c * loads[..., i + 1]
+    return turned
+
+
+def _points(positions: Array, rotations: Array, free_spin: bool) -> tuple[Array, Array]:
+    """Points of the reduced pose space and the angles φ_a of eq. 19."""
+    angles = np.arctan2(positions[:, 1], positions[:, 0])
+    eta = np.stack([np.hypot(positions[:, 0], positions[:, 1]), positions[:, 2]], axis=1)
+    c, s = np.cos(angles), np.sin(angles)
+    z = np.zeros((len(angles), 3, 3))
+    z[:, 0, 0] = z[:, 1, 1] = c
+    z[:, 0, 1], z[:, 1, 0] = s, -s
+    z[:, 2, 2] = 1.0
+    if free_spin:
+        return np.hstack([eta, _WEIGHT * (z @ rotations[:, :, 2:])[:, :, 0]]), angles
+    turned = z @ rotations @ z.transpose(0, 2, 1)
+    return np.hstack([eta, _WEIGHT * turned.reshape(-1, 9)]), angles
+
+
+def draw_loads(size: int, rng: np.random.Generator) -> Array:
+    """Random loads (size, 6): |F| and |M| uniform, directions uniform."""
+    directions = rng.normal(size=(2, size, 3))
+    directions /= np.linalg.norm(directions, axis=2, keepdims=True)
+    return np.hstack(
+        [
+            rng.uniform(0.0, _SHOOTABLE, (size, 1)) * directions[0],
+            rng.uniform(0.0, 12.0, (size, 1)) * directions[1],
+        ]
+    )
+
+
+def draw_lowest(size: int, free_spin: bool, rng: np.random.Generator) -> Array:
+    """Loads (less than size, 6) of those lowest rods of random poses that loads can tell."""
+    from scipy.spatial.transform import Rotation
+
+    from loopelastica.rod.solve import solve_batch
+
+    directions = rng.normal(size=(size, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    positions = directions * 0.95 * rng.uniform(size=(size, 1)) ** (1.0 / 3.0)
+    rotations = Rotation.random(size, random_state=rng).as_matrix()
+    batch = solve_batch(positions, rotations, free_spin=free_spin, lowest=True)
+    keep = batch.converged & (np.linalg.norm(batch.loads[:, :3], axis=1) < _SHOOTABLE)
+    return np.asarray(batch.loads[keep])
+
+
+def write(path: Path, size: int = _SIZE, seed: int = _SEED) -> None:
+    """Compute the rods and write them, K30 = 1, with and without end spin; takes some minutes.
+
+    The arrays ``clamped`` and ``free`` (n, 13) hold loads, position and quaternion.
+    """
+    arrays = {}
+    for name in ("clamped", "free"):
+        rng = np.random.default_rng(seed)
+        drawn = draw_loads(size // 2, rng)
+        if name == "free":
+            drawn[:, 5] = 0.0
+        loads = np.concatenate([drawn, draw_lowest(size - size // 2, name == "free", rng)])
+        positions, quaternions = ends(loads, 1.0, 3.0)
+        arrays[name] = np.hstack([loads, positions, quaternions]).astype(np.float32)
+    np.savez_compressed(path, clamped=arrays["clamped"], free=arrays["free"])
+
+
+@functools.lru_cache(maxsize=2)
+def _stored(free_spin: bool) -> Array:
+    with np.load(data_path(_FILE)) as archive:
+        return np.asarray(archive["free" if free_spin else "clamped"], dtype=np.float64)
+
+
+@functools.lru_cache(maxsize=4)
+def stored_rods(torsion_ratio: float, free_spin: bool) -> StoredRods:
+    """The stored rods for one torsion ratio; with a free spin M3 = 0 and the ratio is void."""
+    from scipy.spatial import KDTree
+    from scipy.spatial.transform import Rotation
+
+    stored = _stored(free_spin)
+    loads, positions = stored[:, :6], stored[:, 6:9]
+    rotation = Rotation.from_quat(stored[:, 9:], scalar_first=True)
+    if not free_spin and torsion_ratio != 1.0:
+        rotation = rotation * Rotation.from_rotvec(
+            np.array([0.0, 0.0, 1.0]) * (loads[:, 5:] * (1.0 / torsion_ratio - 1.0))
+        )
+    points, angles = _points(positions, rotation.as_matrix(), free_spin)
+    return StoredRods(_turn_loads(loads, -angles), KDTree(points, leafsize=20), free_spin)
+
+
+if __name__ == "__main__":
+    write(data_path(_FILE))

@@ -1,0 +1,355 @@
+"""Multiple shooting: the rod in m segments, polished by Newton's method.
+
+Unknown are the loads g = (F, M0) and the poses of the inner nodes; both ends are the clamps. Each
+segment is integrated from its node (``shooting``, K30 = 1, see there) with the local moment
+M_k = M0 + F × r_k. Its six variations with respect to (F, M_k) also tell how its end follows a
+turn δθ_k and a shift δr_k of its node, the rod being the same in a turned frame:
+
+    δ(end) = (δθ_k, δr_k + δθ_k × ρ) + A (δF − δθ_k × F, δM_k − δθ_k × M_k),
+    δM_k = δM0 + δF × r_k + F × δr_k,      ρ from node to end.
+
+Torsion ratios other than one enter at the last clamp alone: without its extra spin the last frame
+is the clamp turned back by M3 (1/K30 − 1), M3 = M0·d3(0). With a free end spin that turn is itself
+the sixth unknown, in place of M3, which is zero.
+
+Elimination in O(m): six rows in (x_k, g) are carried along; with the six rows of segment k they
+are pivoted over the columns of x_k, and six rows in (x_k+1, g) remain; at the end 6×6 rows in g,
+solved with complete pivoting that leaves out null directions (ends on one line). Growth exp(√F)
+over the whole rod becomes exp(√F/m) over a segment.
+"""
+
+import math
+
+import numpy as np
+
+from loopelastica.rod.kernels.jit import kernel
+from loopelastica.rod.kernels.newton import pivoted_step
+from loopelastica.rod.kernels.rotations import larger, rotation_vector, spin, tangent
+from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN, march
+
+_MAX_SEGMENT_STEPS = 60
+_CAP = 0.4
+# mismatch per step left above which none of 250 unrelaxed starts arrived that did arrive
+_BEHIND = 0.15
+# mismatch on the check mesh below which another Newton step gains nothing
+_SETTLED = 1e-10
+
+
+@kernel
+def _steps(f, h, density):
+    """Steps over a segment of length ``h``: ``density`` per radian of the fastest turning."""
+    force = math.sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2])
+    moment = math.sqrt(f[3] * f[3] + f[4] * f[4] + f[5] * f[5])
+    root = math.sqrt(force)
+    return 1 + int(density * h * max(root, moment + 0.5 * min(force * h, root)))
+
+
+@kernel
+def end_clamp(quaternion, torsion_ratio, free_spin, g, q):
+    """Last frame without the extra spin of K30 ≠ 1, into ``q``; g[5] is M3 or the free turn."""
+    for c in range(4):
+        q[c] = quaternion[c]
+    if free_spin:
+        spin(q, g[5])
+    else:
+        spin(q, -g[5] * (1.0 / torsion_ratio - 1.0))
+
+
+@kernel
+def _integrate(g, free_spin, node, h, density, size, f, y, k, z):
+    """The end of one segment from its node (7,), into ``y`` (positions relative to the node).
+
+    ``f`` (6,) becomes the local loads. Returns the number of steps.
+    """
+    for c in range(3):
+        f[c] = g[c]
+    m3 = 0.0 if free_spin else g[5]
+    f[3] = g[3] + g[1] * node[2] - g[2] * node[1]
+    f[4] = g[4] + g[2] * node[0] - g[0] * node[2]
+    f[5] = m3 + g[0] * node[1] - g[1] * node[0]
+    for c in range(WITH_JACOBIAN):
+        y[c] = 0.0
+    for c in range(4):
+        y[3 + c] = node[3 + c]
+    steps = _steps(f, h, density)
+    if steps <= _MAX_SEGMENT_STEPS:
+        march(f, y, h, steps, size, k, z)
+    return steps
+
+
+@kernel
+def gaps(g, torsion_ratio, free_spin, node_s, node_pose, density, f, y, k, z):
+    """Largest mismatch (position, rotation vector) between segments' ends and next nodes.
+
+    Also returns the energy, from h − F·Δr of each segment: with the clamps' distance in place of
+    the sum of Δr the mismatch, times F, would be an error of an energy that may be tiny.
+    """
+    m3 = 0.0 if free_spin else g[5]
+    worst, energy = 0.0, 0.5 * m3 * m3 * (1.0 / torsion_ratio - 1.0)
+    for i in range(node_s.shape[0] - 1):
+        h = node_s[i + 1] - node_s[i]
+        if _integrate(g, free_spin, node_pose[i], h, density, POSE, f, y, k, z) > 4000:
+            return math.inf, math.inf
+        a, b, c = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
+        worst = larger(larger(larger(worst, abs(a)), abs(b)), abs(c))
+        for j in range(3):
+            worst = larger(worst, abs(node_pose[i, j] + y[j] - node_pose[i + 1, j]))
+        tx, ty, tz = tangent(node_pose[i, 3:])
+        energy += 0.5 * h * (f[3] * f[3] + f[4] * f[4] + f[5] * f[5])
+        # h t(0) − Δr is small where the segment is nearly straight
+        energy += g[0] * (h * tx - y[0]) + g[1] * (h * ty - y[1]) + g[2] * (h * tz - y[2])
+    if worst == worst:
+        return worst, energy
+    return math.inf, math.inf
+
+
+@kernel
+def _cross(ax, ay, az, bx, by, bz):
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+
+
+@kernel
+def _rows(y, f, node, t, b):
+    """Segment matrices from its variations: end = t x_k + b g, x = (δθ, δr); (6, 6) each."""
+    rho = y[:3]
+    for i in range(6):
+        for j in range(6):
+            b[i, j] = y[POSE + 6 * i + j]
+            t[i, j] = 1.0 if i == j else 0.0
+    for j in range(3):
+        ux, uy, uz = (1.0 if j == 0 else 0.0), (1.0 if j == 1 else 0.0), (1.0 if j == 2 else 0.0)
+        # δθ_j: turned loads −u × F, −u × M; the end moves by u × ρ
+        fx, fy, fz = _cross(f[0], f[1], f[2], ux, uy, uz)
+        mx, my, mz = _cross(f[3], f[4], f[5], ux, uy, uz)
+        # δr_j: δM = F × u
+        nx, ny, nz = _cross(f[0], f[1], f[2], ux, uy, uz)
+        sx, sy, sz = _cross(ux, uy, uz, rho[0], rho[1], rho[2])
+        for i in range(6):
+            t[i, j] += (
+                b[i, 0] * fx + b[i, 1] * fy + b[i, 2] * fz
+                + b[i, 3] * mx + b[i, 4] * my + b[i, 5] * mz
+            )  # fmt: skip
+            t[i, 3 + j] += b[i, 3] * nx + b[i, 4] * ny + b[i, 5] * nz
+        t[3, j] += sx
+        t[4, j] += sy
+        t[5, j] += sz
+    for j in range(3):
+        # δF_j also changes the local moment by u × r_k
+        ux, uy, uz = (1.0 if j == 0 else 0.0), (1.0 if j == 1 else 0.0), (1.0 if j == 2 else 0.0)
+        mx, my, mz = _cross(ux, uy, uz, node[0], node[1], node[2])
+        for i in range(6):
+            b[i, j] += b[i, 3] * mx + b[i, 4] * my + b[i, 5] * mz
+
+
+@kernel
+def forward(g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k, z, t, b):
+    """Eliminate the inner nodes; rows in (x_m, g) remain in ``work[:6]``. Returns the mismatch."""
+    worst = 0.0
+    rest = np.empty(6)
+    for i in range(node_s.shape[0] - 1):
+        h = node_s[i + 1] - node_s[i]
+        steps = _integrate(g, free_spin, node_pose[i], h, density, WITH_JACOBIAN, f, y, k, z)
+        if steps > _MAX_SEGMENT_STEPS:
+            return math.inf
+        rest[0], rest[1], rest[2] = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
+        for c in range(3):
+            rest[3 + c] = node_pose[i, c] + y[c] - node_pose[i + 1, c]
+        _rows(y, f, node_pose[i], t, b)
+        # columns: x_k (6), x_k+1 (6), g (6), right-hand side; rows 0–5 carried, 6–11 new
+        for r in range(6):
+            worst = larger(worst, abs(rest[r]))
+            if free_spin:
+                b[r, 5] = 0.0
+            for c in range(6):
+                work[6 + r, c] = t[r, c]
+                work[6 + r, 6 + c] = -1.0 if r == c else 0.0
+                work[6 + r, 12 + c] = b[r, c] * scale[c]
+            work[6 + r, 18] = -rest[r]
+        if i > 0:
+            if not _pivot(work):
+                return math.inf
+            for p in range(6):
+                for c in range(19):
+                    kept[i, p, c] = work[p, c]
+        # what remains are rows in (x_k+1, g): carry them
+        for r in range(6):
+            for c in range(6):
+                work[r, c] = work[6 + r, 6 + c]
+                work[r, 6 + c] = 0.0
+                work[r, 12 + c] = work[6 + r, 12 + c]
+            work[r, 18] = work[6 + r, 18]
+    return worst if worst == worst else math.inf
+
+
+@kernel
+def _pivot(work):
+    """Eliminate the first six columns of ``work`` (12, 19) by partial pivoting; False if none."""
+    for p in range(6):
+        best = p
+        for r in range(p + 1, 12):
+            if abs(work[r, p]) > abs(work[best, p]):
+                best = r
+        if best != p:
+            for c in range(p, 19):
+                work[p, c], work[best, c] = work[best, c], work[p, c]
+        pivot = work[p, p]
+        if not abs(pivot) > 1e-300:
+            return False
+        for r in range(p + 1, 12):
+            factor = work[r, p] / pivot
+            if factor != 0.0:
+                for c in range(p + 1, 19):
+                    work[r, c] -= factor * work[p, c]
+    return True
+
+
+@kernel
+def backward(kept, last, du, x):
+    """Node moves ``x`` (m + 1, 6) from the scaled load step ``du`` and the last node's ``last``."""
+    m = x.shape[0] - 1
+    for c in range(6):
+        x[0, c] = 0.0
+        x[m, c] = last[c]
+    for i in range(m - 1, 0, -1):
+        for p in range(5, -1, -1):
+            value = kept[i, p, 18]
+            for c in range(p + 1, 6):
+                value -= kept[i, p, c] * x[i, c]
+            for c in range(6):
+                value -= kept[i, p, 6 + c] * x[i + 1, c] + kept[i, p, 12 + c] * du[c]
+            x[i, p] = value / kept[i, p, p]
+
+
+@kernel
+def _linear(
+    g, quaternion, torsion_ratio, free_spin, node_s, node_pose, density, scale,
+    drop, work, kept, f, y, k, z, x, dg,
+):  # fmt: skip
+    """Newton step: nodes ``x`` (m + 1, 6), loads ``dg`` (6,). Returns the mismatch before it."""
+    m = node_s.shape[0] - 1
+    t, b = np.empty((6, 6)), np.empty((6, 6))
+    worst = forward(g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k, z, t, b)
+    if worst == math.inf:
+        return math.inf
+    # the last node is the clamp: it turns about its tangent with g[5] alone
+    tx, ty, tz = tangent(node_pose[m, 3:])
+    rate = 1.0 if free_spin else -(1.0 / torsion_ratio - 1.0)
+    last, right, ones, end = np.empty((6, 6)), np.empty(6), np.empty(6), np.zeros(6)
+    for r in range(6):
+        ones[r] = 1.0
+        for c in range(6):
+            last[r, c] = work[r, 12 + c]
+        last[r, 5] += rate * scale[5] * (work[r, 0] * tx + work[r, 1] * ty + work[r, 2] * tz)
+        right[r] = -work[r, 18]
+        # equilibrate the rows
+        size = 0.0
+        for c in range(6):
+            size = max(size, abs(last[r, c]))
+        size = max(size, 1e-300)
+        for c in range(6):
+            last[r, c] /= size
+        right[r] /= size
+    pivoted_step(last, right, ones, t, dg, drop)
+    turn = rate * scale[5] * dg[5]
+    end[0], end[1], end[2] = turn * tx, turn * ty, turn * tz
+    backward(kept, end, dg, x)
+    for c in range(6):
+        dg[c] *= scale[c]
+    return worst
+
+
+@kernel
+def apply(x, dg, t, g, node_pose, quaternion, torsion_ratio, free_spin):
+    """Move nodes and loads by the fraction ``t`` of the step."""
+    m = node_pose.shape[0] - 1
+    for c in range(6):
+        g[c] += t * dg[c]
+    for i in range(1, m):
+        vx, vy, vz = t * x[i, 0], t * x[i, 1], t * x[i, 2]
+        a = math.sqrt(vx * vx + vy * vy + vz * vz)
+        s = math.sin(0.5 * a) / a if a > 1e-8 else 0.5
+        cw, px, py, pz = math.cos(0.5 * a), s * vx, s * vy, s * vz
+        q = node_pose[i, 3:]
+        w, u, v, n = q[0], q[1], q[2], q[3]
+        # exp(δθ) q
+        q[0] = cw * w - px * u - py * v - pz * n
+        q[1] = cw * u + px * w + py * n - pz * v
+        q[2] = cw * v - px * n + py * w + pz * u
+        q[3] = cw * n + px * v - py * u + pz * w
+        norm = 1.0 / math.sqrt(q[0] ** 2 + q[1] ** 2 + q[2] ** 2 + q[3] ** 2)
+        for c in range(4):
+            q[c] *= norm
+        for c in range(3):
+            node_pose[i, c] += t * x[i, 3 + c]
+    end_clamp(quaternion, torsion_ratio, free_spin, g, node_pose[m, 3:])
+
+
+@kernel
+def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, iterations):
+    """Newton's method on nodes and loads, in place.
+
+    ``node_pose`` (m + 1, 7) starts at the identity and ends at the clamp's position; ``g`` (6,) is
+    F and M0, its last entry being the end's free turn if ``free_spin``. Load directions with pivots
+    below ``drop`` stay put. Returns (residual, energy, iterations): the mismatch by a
+    mesh with other steps, infinite if there is no convergence in ``iterations``.
+    """
+    m = node_s.shape[0] - 1
+    work, kept = np.zeros((12, 19)), np.empty((m, 6, 19))
+    f, dg, scale = np.empty(6), np.empty(6), np.empty(6)
+    y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
+    x = np.empty((m + 1, 6))
+    end_clamp(quaternion, torsion_ratio, free_spin, g, node_pose[m, 3:])
+    density = 1.0
+    best = math.inf
+    stalled = 0
+    worst = math.inf
+    for iteration in range(iterations):
+        force = max(math.sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]), 10.0)
+        for c in range(3):
+            scale[c] = force
+            scale[3 + c] = math.sqrt(force)
+        if free_spin:
+            scale[5] = 1.0
+        previous = worst
+        worst = _linear(
+            g, quaternion, torsion_ratio, free_spin, node_s, node_pose, density, scale,
+            drop, work, kept, f, y, k, z, x, dg,
+        )  # fmt: skip
+        if worst > _BEHIND * (iterations - iteration):
+            return math.inf, math.inf, iteration
+        size = 0.0
+        for i in range(m + 1):
+            for c in range(6):
+                size = max(size, abs(x[i, c]))
+        change = math.sqrt(dg[0] * dg[0] + dg[1] * dg[1] + dg[2] * dg[2]) / (2.0 * force)
+        change = max(
+            change,
+            math.sqrt(dg[3] * dg[3] + dg[4] * dg[4] + dg[5] * dg[5]) / (4.0 * math.sqrt(force)),
+        )
+        size = max(size, change)
+        if not size < 1e6:
+            return math.inf, math.inf, iteration
+        fine = density > 2.0
+        if fine and (worst < 1e-13 or (worst < 1e-10 and worst > 0.1 * previous)):
+            break
+        apply(
+            x, dg, min(1.0, _CAP / max(size, 1e-300)), g, node_pose,
+            quaternion, torsion_ratio, free_spin,
+        )  # fmt: skip
+        if worst < best:
+            best, stalled = worst, 0
+        else:
+            stalled += 1
+            if stalled > iterations // 4:
+                return math.inf, math.inf, iteration
+        if not fine and worst < 1e-4:
+            density = 3.0
+            best = math.inf
+        elif fine and worst < 1e-7:
+            # where convergence is quadratic, what is left is rounding; along a soft direction it
+            # is not, and the loop goes on
+            residual, energy = gaps(g, torsion_ratio, free_spin, node_s, node_pose, 4.6, f, y, k, z)
+            if residual < _SETTLED:
+                return residual, energy, iteration + 1
+    residual, energy = gaps(g, torsion_ratio, free_spin, node_s, node_pose, 4.6, f, y, k, z)
+    return residual, energy, iteration + 1

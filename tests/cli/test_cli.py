@@ -1,0 +1,294 @@
+"""The command line, as a user meets it."""
+
+import csv
+import gzip
+import hashlib
+import json
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from loopelastica._files import data_path
+from loopelastica.cli.app import app
+
+HAIRPIN = data_path("hairpins/2koc.pdb")
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+@pytest.fixture(scope="module")
+def folded(tmp_path_factory):
+    out = tmp_path_factory.mktemp("out")
+    result = run("fold", HAIRPIN, "-o", out)
+    assert result.exit_code == 0, result.output
+    return out / "2koc_A6-9", result
+
+
+def test_fold_writes_one_folder_per_hairpin(folded):
+    folder, result = folded
+    names = {p.name for p in folder.iterdir()}
+    assert names == {
+        *("ranking.csv", "ranking.json", "traces.pdb", "line.csv", "plot.png"),
+        *("whole.pdb", "view.pml", "view.cxc"),
+    }
+    assert [p.name for p in folder.parent.iterdir()] == ["2koc_A6-9"]
+    assert "CUUCGG" in result.output
+
+
+def test_ranking_json_tells_all_that_is_needed_to_repeat_it(folded):
+    content = json.loads((folded[0] / "ranking.json").read_text())
+    assert content["input"]["sha256"] == hashlib.sha256(HAIRPIN.read_bytes()).hexdigest()
+    assert content["length"]["length_A"] == 24.0
+    assert content["parameters"]["persistence_length_A"] == 10.0
+    first = content["candidates"][0]
+    assert first["rmsd_A"] < 2.2
+    assert content["clamp"]["taper"] == 0.2
+    assert content["clamp"]["stem_rms_A"] < 1.3
+    assert len(first["rmsd_models_A"]) == 20
+    assert len(content["clamp"]["clamping_parameters"]) == 6
+    with (folded[0] / "ranking.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [int(r["rank"]) for r in rows] == list(range(1, len(rows) + 1))
+    assert float(rows[0]["energy_per_A"]) == first["energy_per_A"]
+
+
+def test_traces_are_read_back_with_rank_chain_and_numbers(folded):
+    import MDAnalysis as mda
+
+    content = json.loads((folded[0] / "ranking.json").read_text())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        universe = mda.Universe(folded[0] / "traces.pdb", in_memory=True)
+    assert universe.residues.resids.tolist() == [6, 7, 8, 9]
+    assert set(universe.atoms.chainIDs) == {"A"}
+    assert len(universe.trajectory) == len(content["candidates"])
+    for frame, candidate in zip(universe.trajectory, content["candidates"], strict=True):
+        np.testing.assert_allclose(frame.positions, candidate["trace_A"], atol=6e-4)
+    ranks = [
+        float(line[60:66])
+        for line in (folded[0] / "traces.pdb").read_text().splitlines()
+        if line.startswith("ATOM")
+    ]
+    assert ranks == [c["rank"] for c in content["candidates"] for _ in range(4)]
+
+
+def test_the_dense_line_ends_at_the_stem_and_has_unit_tangents(folded):
+    content = json.loads((folded[0] / "ranking.json").read_text())
+    table = np.genfromtxt(folded[0] / "line.csv", delimiter=",", names=True)
+    first = table[table["rank"] == 1]
+    points = np.stack([first["x_A"], first["y_A"], first["z_A"]], axis=1)
+    tangents = np.stack([first["tx"], first["ty"], first["tz"]], axis=1)
+    np.testing.assert_allclose(points[0], content["clamp"]["start_origin_A"], atol=1e-6)
+    np.testing.assert_allclose(points[-1], content["clamp"]["end_origin_A"], atol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(tangents, axis=1), 1, atol=1e-7)
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    assert steps.sum() == pytest.approx(24.0, abs=0.01)
+    # curvature is the turning of the tangent per Å
+    turning = np.linalg.norm(np.gradient(tangents, first["s_A"], axis=0), axis=1)
+    np.testing.assert_allclose(turning[1:-1], first["curvature_per_A"][1:-1], rtol=5e-3)
+
+
+def test_the_picture_shows_something(folded):
+    from matplotlib.image import imread
+
+    picture = imread(folded[0] / "plot.png")[:, :, :3]
+    assert picture.shape[0] > 300
+    third = picture.shape[1] // 3
+    # each third holds coloured lines, not only black on white
+    for start in range(0, 3 * third, third):
+        part = picture[:, start : start + third]
+        assert (np.ptp(part, axis=2) > 0.3).sum() > 200
+
+
+def bad_files(folder):
+    good = HAIRPIN.read_text().splitlines(keepends=True)
+    first_model = good[: next(i for i, s in enumerate(good) if s.startswith("ENDMDL")) + 1]
+    atoms = [line for line in first_model if line.startswith("ATOM")]
+    noise = np.random.default_rng(1).integers(0, 256, 5000, dtype=np.uint8).tobytes()
+    protein = (
+        "ATOM      1  N   ALA A   1      11.104   6.134  -6.504  1.00  0.00           N\n"
+        "ATOM      2  CA  ALA A   1      11.639   6.071  -5.147  1.00  0.00           C\n"
+        "ATOM      3  C   ALA A   1      10.656   5.387  -4.203  1.00  0.00           C\n"
+        "ATOM      4  O   ALA A   1       9.500   5.150  -4.550  1.00  0.00           O\n"
+        "END\n"
+    )
+    contents = {
+        "empty.pdb": b"",
+        "noise.pdb": noise,
+        "protein.pdb": protein.encode(),
+        "zero.pdb": "".join(a[:30] + "   0.000" * 3 + a[54:] for a in atoms).encode(),
+        "nan.pdb": "".join(a[:30] + "     nan" * 3 + a[54:] for a in atoms).encode(),
+        "cut.pdb": "".join(atoms).encode()[: len("".join(atoms[:200])) + 40],
+        "cut.pdb.gz": gzip.compress(HAIRPIN.read_bytes())[:20000],
+        "missing_atoms.pdb": "".join(
+            a for a in atoms if not (a[22:26].strip() == "5" and a[12:16].strip() in
+                                     {"C4'", "C3'", "P", "O5'"})
+        ).encode(),
+    }  # fmt: skip
+    for name, content in contents.items():
+        (folder / name).write_bytes(content)
+    (folder / "folder.pdb").mkdir()
+    return [folder / name for name in [*contents, "folder.pdb", "absent.pdb"]]
+
+
+def test_every_bad_file_is_one_sentence_and_no_output(tmp_path):
+    for path in bad_files(tmp_path):
+        out = tmp_path / "out"
+        result = run("fold", path, "-o", out)
+        assert result.exit_code == 1, path
+        assert "Traceback" not in result.output
+        sentences = [s for s in result.stderr.splitlines() if s.strip()]
+        assert len(sentences) == 1, (path, result.stderr)
+        assert path.name in sentences[0]
+        assert len(sentences[0]) > len(str(path)) + 10
+        assert not out.exists() or not list(out.iterdir()), path
+
+
+def test_a_bad_file_in_a_batch_is_a_row_and_the_others_are_folded(tmp_path):
+    (tmp_path / "bad.pdb").write_text("nothing\n")
+    copy = tmp_path / "again" / "2koc.pdb"
+    copy.parent.mkdir()
+    copy.write_bytes(HAIRPIN.read_bytes())
+    result = run(
+        "fold", HAIRPIN, tmp_path / "bad.pdb", copy, "-o", tmp_path / "out", "--no-plot",
+        "--first-model",
+    )  # fmt: skip
+    assert result.exit_code == 1
+    assert "bad.pdb" in result.stderr
+    # two inputs of one name
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["2koc_A6-9", "2koc_A6-9_2"]
+
+
+def test_hairpins_lists_the_loop_and_the_secondary_structure():
+    result = run("hairpins", HAIRPIN)
+    assert result.exit_code == 0
+    assert "A.C5–A.G10" in result.output
+    assert ">A 1-14\nGGCACUUCGGUGCC\n(((((....)))))\n" in result.output
+    assert run("hairpins", "absent.pdb").exit_code == 1
+
+
+@pytest.mark.parametrize("option", ["--json", "-o"])
+def test_hairpins_writes_json(tmp_path, option):
+    path = tmp_path / "new" / "hairpins.json"
+    assert run("hairpins", HAIRPIN, option, path).exit_code == 0
+    content = json.loads(path.read_text())
+    assert content["input"]["sha256"] == hashlib.sha256(HAIRPIN.read_bytes()).hexdigest()
+    assert content["input"]["models"] == 20
+    (hairpin,) = content["hairpins"]
+    assert (hairpin["name"], hairpin["nucleotides"], hairpin["absent"]) == ("A6-9", 4, 0)
+    assert 0.4 < hairpin["stem_rms_A"] < 0.6
+    assert hairpin["regular"] is True
+    assert content["chains"][0]["dot_bracket"] == "(((((....)))))"
+    assert [p.name for p in path.parent.iterdir()] == ["hairpins.json"]
+
+
+def test_hairpins_takes_pairs_brackets_and_loops_from_the_user():
+    assert "UUCG " in run("hairpins", HAIRPIN, "--pair", "A.6-A.9").output
+    assert "ACUUCGGU" in run("hairpins", HAIRPIN, "--dot-bracket", "((((......))))").output
+    assert "UUCG " in run("hairpins", HAIRPIN, "--loop", "A.7-8").output
+    result = run("hairpins", HAIRPIN, "--pair", "A.5")
+    assert result.exit_code == 2
+    assert "`pair`" in result.stderr
+    result = run("hairpins", HAIRPIN, "--loop", "A.60-70")
+    assert result.exit_code == 1
+    assert result.stderr.count("\n") == 1
+    assert "2koc.pdb" in result.stderr
+
+
+def test_hairpins_names_what_is_odd(hairpin_folder):
+    result = run("hairpins", hairpin_folder / "1rnk.pdb.gz")
+    assert result.exit_code == 1
+    assert "A.C5–A.G15: a pseudoknot" in result.output
+    assert "(((((..[[[[[[.)))))........]]]]]]." in result.output
+    assert "no hairpin loop found" in result.stderr
+    result = run("hairpins", hairpin_folder / "1y26.pdb.gz")
+    assert "X31-39 kisses X60-66" in result.output
+    result = run("hairpins", hairpin_folder / "1ehz.cif.gz")
+    assert "A.2MG10 (G), A.H2U16 (U)" in result.output
+    assert "A.5MC40" in result.output
+    result = run("hairpins", hairpin_folder / "1msy.pdb.gz")
+    assert "alternative locations in 2 nucleotide(s)" in result.output
+    assert "A.G2663 B" in result.output
+    assert "irregular" in run("hairpins", hairpin_folder / "1d16.pdb.gz").output
+
+
+def test_an_irregular_stem_is_folded_on_request_only(hairpin_folder, tmp_path):
+    path, out = hairpin_folder / "1d16.pdb.gz", tmp_path / "out"
+    result = run("fold", path, "-o", out, "--no-plot")
+    assert result.exit_code == 1
+    assert "1.56 Å" in result.stderr
+    assert not out.exists()
+    result = run("fold", path, "-o", out, "--no-plot", "--irregular")
+    assert result.exit_code == 0
+    assert "means little" in result.output
+    content = json.loads((out / "1d16_A7-10" / "ranking.json").read_text())
+    assert content["clamp"]["stem_rms_A"] == pytest.approx(1.56, abs=0.01)
+    assert content["parameters"]["irregular"] is True
+
+
+def test_a_loop_absent_from_the_file_is_folded_when_it_is_named(tmp_path):
+    lines = HAIRPIN.read_text().split("ENDMDL")[0].splitlines()
+    path = tmp_path / "absent.pdb"
+    path.write_text("\n".join(s for s in lines if s[22:26].strip() not in {"6", "7", "8", "9"}))
+    out = tmp_path / "out"
+    result = run("fold", path, "-o", out, "--no-plot")
+    assert result.exit_code == 1
+    assert "`loop` A.6-9 folds it" in result.output
+    result = run("fold", path, "-o", out, "--loop", "A.6-9")
+    assert result.exit_code == 0, result.output
+    folder = out / "absent_A6-9"
+    with (folder / "ranking.csv").open() as file:
+        row = next(csv.DictReader(file))
+    assert (row["sequence"], row["rmsd_A"]) == ("CNNNNG", "")
+    trace = (folder / "traces.pdb").read_text().split("ENDMDL")[0]
+    assert trace.count("CEN   N A") == 4
+    assert "NaN" not in (folder / "ranking.json").read_text()
+
+
+def test_the_whole_structure_is_the_users_choice(tmp_path):
+    result = run("fold", HAIRPIN, "-o", tmp_path, "--no-plot", "--no-whole", "--first-model")
+    assert result.exit_code == 0
+    assert not (tmp_path / "2koc_A6-9" / "whole.pdb").exists()
+
+
+def test_solve_prints_equilibria_or_one_sentence():
+    result = run("solve", "--clamping", "-0.4 -0.1 0.5 4.8 1.4 2.2", "--json")
+    energies = [rod["energy"] for rod in json.loads(result.output)["equilibria"]]
+    assert energies == sorted(energies)
+    assert len(energies) > 1
+    assert "energy" in run("solve", "--clamping", "-0.4 -0.1 0.5 4.8 1.4 2.2").output
+    for wrong in ("1 2 3", "0 0 2 0 0 0", "a b c d e f", "0 0 nan 0 0 0"):
+        result = run("solve", "--clamping", wrong)
+        assert result.exit_code == 1
+        assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_an_option_out_of_range_is_refused(tmp_path):
+    result = run("fold", HAIRPIN, "-o", tmp_path / "out", "--persistence-length", "-3")
+    assert result.exit_code != 0
+    assert "persistence_length" in result.output + result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments", [["-c", "import loopelastica"], ["-m", "loopelastica.cli.app", "--help"]]
+)
+def test_import_and_help_load_nothing_heavy(arguments):
+    heavy = {"MDAnalysis", "rdkit", "numba", "matplotlib"}
+    code = (
+        "import runpy, sys, atexit\n"
+        f"atexit.register(lambda: print('HEAVY', sorted({heavy!r} & set(sys.modules))))\n"
+    )
+    if arguments[0] == "-c":
+        code += arguments[1]
+    else:
+        code += "sys.argv = ['loopelastica', '--help']\n"
+        code += "runpy.run_module('loopelastica.cli.app', run_name='__main__')"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "HEAVY []" in out.stdout

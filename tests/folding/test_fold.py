@@ -1,0 +1,274 @@
+"""The whole road on real hairpins."""
+
+import json
+import re
+import warnings
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import loopelastica as le
+from loopelastica._files import data_path
+from loopelastica.folding.fold import fold_positions
+from loopelastica.molecule.hairpins import find_hairpins
+from loopelastica.molecule.nucleotides import read_structure
+
+PLAIN = {"stem_extend_5": 0, "stem_extend_3": 0, "taper": 0.0}
+HAIRPIN = data_path("hairpins/2koc.pdb")
+
+
+def options(**changed):
+    return {
+        "free_spin": True,
+        "torsion_ratio": 1.0,
+        "length_per_nucleotide_A": None,
+        "stem_extend_5": None,
+        "stem_extend_3": None,
+        "taper": None,
+        "persistence_length_A": 10.0,
+        "energy_max": None,
+        "max_candidates": 10,
+        "all_models": True,
+    } | changed
+
+
+@pytest.fixture(scope="module")
+def structure():
+    return read_structure(HAIRPIN)
+
+
+@pytest.fixture(scope="module")
+def loop():
+    (loop,) = le.fold(HAIRPIN)
+    return loop
+
+
+def test_the_shipped_hairpin_folds_near_its_loop(loop):
+    assert loop.hairpin.sequence == "CUUCGG"
+    assert loop.hairpin.closing_pair == ("A.C5", "A.G10")
+    first = loop.candidates[0]
+    assert first.rank == 1
+    assert first.rmsd_A <= 2.2
+    assert not first.contacts.touching
+    assert first.residual < 1e-9
+    assert first.trace.shape == (4, 3)
+    assert first.rmsd_models_A.shape == (20,)
+    assert first.rmsd_models_A[0] == first.rmsd_A
+    assert np.ptp(first.rmsd_models_A) > 0.1
+    energies = [c.energy_per_A for c in loop.candidates]
+    assert energies == sorted(energies)
+    assert first.energy_per_A == pytest.approx(first.rod.energy / 24.0)
+    assert first.energy_kT == pytest.approx(10.0 * first.energy_per_A)
+
+
+@pytest.mark.parametrize(
+    ("entry", "limit"),
+    [("1kr8", 1.0), ("1xue", 1.0), ("1bjh", 1.0), ("1ac7", 1.3), ("2koc", 1.7)],
+)
+def test_first_ranked_rmsd_of_the_clamp_at_the_closing_pair(hairpin_folder, entry, limit):
+    (loop,) = le.fold(hairpin_folder / f"{entry}.pdb.gz", all_models=False, **PLAIN)
+    assert loop.candidates[0].rmsd_A <= limit
+
+
+# a sketch of this rule had 2.10, 1.58, 6.26, 2.99, 3.82, 2.45 Å
+@pytest.mark.parametrize(
+    ("entry", "loop_name", "clamp", "rmsd"),
+    [
+        ("2koc.pdb", "A6-9", (0, 0), 2.10),
+        ("1ecu.pdb", "A9-11", (0, 0), 1.58),
+        ("1anr.pdb", "A30-35", (0, 1), 6.26),
+        ("1szy.pdb", "A8-14", (1, 2), 2.99),
+        ("1ehz.cif", "A31-39", (1, 3), 3.82),
+        ("1ehz.cif", "A54-60", (1, 2), 2.45),
+    ],
+)
+def test_first_ranked_rmsd_by_the_rule(hairpin_folder, entry, loop_name, clamp, rmsd):
+    loops = le.fold(hairpin_folder / f"{entry}.gz", all_models=False)
+    (loop,) = (loop for loop in loops if loop.hairpin.name == loop_name)
+    assert (loop.ends.clamp.stem_extend_5, loop.ends.clamp.stem_extend_3) == clamp
+    assert loop.candidates[0].rmsd_A == pytest.approx(rmsd, abs=0.05)
+    assert loop.candidates[0].trace.shape == (len(loop.hairpin), 3)
+
+
+def test_an_extension_too_far_for_the_rod_is_taken_back_unless_asked_for(hairpin_folder):
+    path = hairpin_folder / "1y26.pdb.gz"
+
+    def clamp(**options):
+        loop = le.fold(path, all_models=False, **options)[1]
+        return loop if loop.ends is None else loop.ends.clamp
+
+    assert (clamp().stem_extend_5, clamp().stem_extend_3) == (1, 1)
+    refused = clamp(stem_extend_5=1, stem_extend_3=2)
+    assert "no rod fits" in refused.failure
+    with pytest.raises(ValueError, match="stem_extend_3"):
+        clamp(stem_extend_3=-1)
+    with pytest.raises(ValueError, match="taper"):
+        clamp(taper=0.5)
+
+
+def test_a_stem_that_is_no_helix_is_refused(hairpin_folder):
+    (loop,) = le.fold(hairpin_folder / "1d16.pdb.gz")
+    assert "A.DG6–A.DC11" in loop.failure
+    assert "1.56 Å" in loop.failure
+    assert loop.candidates == ()
+
+
+def test_shapes_that_touch_come_after_those_that_do_not(structure, loop):
+    # a rod much too long for its loop runs into the stem
+    (long,) = le.fold(HAIRPIN, length_per_nucleotide_A=20.0, all_models=False, max_candidates=30)
+    touching = [c.contacts.touching for c in long.candidates]
+    assert any(touching)
+    assert touching == sorted(touching)
+    for kind in (False, True):
+        energies = [c.energy_per_A for c in long.candidates if c.contacts.touching == kind]
+        assert energies == sorted(energies)
+
+
+@pytest.mark.parametrize("entry", ["2koc.pdb", "1szy.pdb"])
+def test_scrambling_the_loop_changes_no_prediction_of_the_rule(hairpin_folder, entry, rng):
+    structure = read_structure(hairpin_folder / f"{entry}.gz")
+    (hairpin,) = find_hairpins(structure)
+    positions = structure.positions(0)
+    atoms = np.unique(structure.nucleotides.atom_index[hairpin.loop])
+    scrambled = positions.copy()
+    scrambled[atoms[atoms >= 0]] += rng.normal(scale=9.0, size=((atoms >= 0).sum(), 3))
+    here, there = (
+        fold_positions(structure.nucleotides, hairpin, x, **options())
+        for x in (positions, scrambled)
+    )
+    for a, b in zip(here.candidates, there.candidates, strict=True):
+        np.testing.assert_array_equal(a.trace, b.trace)
+        assert a.contacts == b.contacts
+
+
+def test_each_model_is_clamped_by_its_own_stem_and_compared_with_its_own_loop(structure, loop):
+    for model in (3, 7):
+        alone = fold_positions(
+            structure.nucleotides, loop.hairpin, structure.positions(model), **options()
+        )
+        assert alone.candidates[0].rmsd_A == loop.candidates[0].rmsd_models_A[model]
+
+
+def test_scrambling_the_loop_changes_no_prediction(structure, loop, rng):
+    hairpin = loop.hairpin
+    atoms = np.unique(structure.nucleotides.atom_index[hairpin.loop])
+    atoms = atoms[atoms >= 0]
+    positions = structure.positions(0)
+    reference = fold_positions(structure.nucleotides, hairpin, positions, **options())
+    scrambled = positions.copy()
+    scrambled[atoms] += rng.normal(scale=5.0, size=(len(atoms), 3))
+    other = fold_positions(structure.nucleotides, hairpin, scrambled, **options())
+    for a, b in zip(reference.candidates, other.candidates, strict=True):
+        np.testing.assert_array_equal(a.trace, b.trace)
+        assert a.rod.energy == b.rod.energy
+        assert abs(a.rmsd_A - b.rmsd_A) > 0.1
+
+
+@pytest.mark.parametrize("free_spin", [True, False])
+def test_rigid_motion_moves_the_answer_by_the_same_motion(structure, rng, free_spin):
+    (hairpin,) = find_hairpins(structure)
+    positions = structure.positions(0)
+    chosen = options(free_spin=free_spin)
+    reference = fold_positions(structure.nucleotides, hairpin, positions, **chosen)
+    for turn in Rotation.random(3, random_state=rng):
+        shift = rng.uniform(-100, 100, 3)
+        moved = fold_positions(
+            structure.nucleotides, hairpin, positions @ turn.as_matrix().T + shift, **chosen
+        )
+        assert len(moved.candidates) == len(reference.candidates)
+        for a, b in zip(reference.candidates, moved.candidates, strict=True):
+            np.testing.assert_allclose(a.trace @ turn.as_matrix().T + shift, b.trace, atol=1e-6)
+
+
+def test_rigid_motion_through_a_pdb_file(tmp_path, rng, loop):
+    import MDAnalysis as mda
+
+    turn = Rotation.random(random_state=rng)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        universe = mda.Universe(HAIRPIN)
+        universe.atoms.positions = turn.apply(universe.atoms.positions) + [10.0, -20.0, 5.0]
+        universe.atoms.write(tmp_path / "moved.pdb")
+    (moved,) = le.fold(tmp_path / "moved.pdb")
+    expected = loop.candidates[0].trace @ turn.as_matrix().T + [10.0, -20.0, 5.0]
+    np.testing.assert_allclose(moved.candidates[0].trace, expected, atol=2e-3)
+
+
+def test_a_universe_folds_like_its_file_and_keeps_its_frame(loop):
+    import MDAnalysis as mda
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        universe = mda.Universe(HAIRPIN)
+    universe.trajectory[4]
+    (again,) = le.fold(universe)
+    assert universe.trajectory.frame == 4
+    np.testing.assert_allclose(again.candidates[0].trace, loop.candidates[0].trace, atol=1e-9)
+
+
+def test_darboux_clamping_and_line_length_are_the_users_choice(loop):
+    (clamped,) = le.fold(HAIRPIN, free_spin=False, torsion_ratio=0.7, all_models=False)
+    assert clamped.candidates[0].rod.torsion_ratio == 0.7
+    assert clamped.candidates[0].rod.energy > loop.candidates[0].rod.energy
+    (longer,) = le.fold(HAIRPIN, length_per_nucleotide_A=7.0, all_models=False)
+    assert longer.length_A == 28.0
+    with pytest.raises(ValueError, match="persistence_length_A"):
+        le.fold(HAIRPIN, persistence_length_A=-1)
+
+
+def test_a_line_too_short_for_the_stem_ends_is_refused(loop):
+    (short,) = le.fold(HAIRPIN, length_per_nucleotide_A=2.0)
+    assert short.candidates == ()
+    assert "no rod fits" in short.failure
+    assert "A.C5" in short.failure
+
+
+def test_results_can_be_kept_as_json(loop):
+    rod = loop.candidates[0].rod
+    again = le.Equilibrium.from_dict(json.loads(json.dumps(rod.to_dict())))
+    np.testing.assert_array_equal(again.loads, rod.loads)
+
+
+def test_the_users_word_moves_the_clamp():
+    (moved,) = le.fold(HAIRPIN, all_models=False, pair="A.6-A.8")
+    assert moved.hairpin.residues == ("A.U7",)
+    assert moved.parameters["pair"] == ["A.6-A.8"]
+    assert "no rod fits" in moved.failure
+    (wider,) = le.fold(HAIRPIN, all_models=False, dot_bracket="((((......))))")
+    assert wider.candidates[0].trace.shape == (6, 3)
+
+
+def test_a_model_that_lacks_a_loop_is_folded_but_not_compared(tmp_path):
+    first, second = re.split(r"ENDMDL *\n", HAIRPIN.read_text())[:2]
+    kept = [s for s in second.splitlines() if s[12:26] != " P     C A   8"]
+    path = tmp_path / "unequal.pdb"
+    path.write_text(first + "ENDMDL\n" + "\n".join(kept) + "\nENDMDL\nEND\n")
+    (unequal,) = le.fold(path)
+    rmsd_A = unequal.candidates[0].rmsd_models_A
+    assert np.isfinite(rmsd_A).tolist() == [True, False]
+    assert unequal.model_failures == ()
+
+
+def test_a_loop_with_a_missing_atom_is_folded_but_not_compared(tmp_path, loop):
+    lines = HAIRPIN.read_text().split("ENDMDL")[0].splitlines()
+    path = tmp_path / "missing.pdb"
+    path.write_text("\n".join(s for s in lines if s[12:26] != " P     C A   8"))
+    (folded,) = le.fold(path)
+    np.testing.assert_array_equal(folded.candidates[0].trace, loop.candidates[0].trace)
+    assert folded.candidates[0].rmsd_A is None
+    assert "lacks backbone atoms" in folded.remarks[0]
+
+
+def test_missing_stem_atoms_cost_one_loop_and_not_the_others(hairpin_folder, tmp_path):
+    import gzip
+
+    lines = gzip.decompress((hairpin_folder / "1k2g.pdb.gz").read_bytes()).decode().splitlines()
+    kept = [
+        s for s in lines if not (s[22:26] == "   5" and s[12:16].strip() in {"P", "O5'", "C5'"})
+    ]
+    path = tmp_path / "missing.pdb"
+    path.write_text("\n".join(kept))
+    first, second = le.fold(path)
+    assert first.failure == "A.C5: no P, O5' and C5' atoms; its stem frame cannot be placed"
+    assert second.failure is None

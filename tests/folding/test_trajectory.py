@@ -1,0 +1,78 @@
+"""The analysis of a trajectory: equal results from all backends."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import loopelastica as le
+from loopelastica._files import data_path
+
+# a remark of MDAnalysis on PDB files
+pytestmark = pytest.mark.filterwarnings("ignore:Reader has no dt")
+HAIRPIN = data_path("hairpins/2koc.pdb")
+
+
+@pytest.fixture
+def universe():
+    import MDAnalysis as mda
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return mda.Universe(HAIRPIN)
+
+
+@pytest.fixture(scope="module")
+def loop():
+    (loop,) = le.fold(HAIRPIN)
+    return loop
+
+
+def test_frames_are_folded_as_models_are(universe, loop):
+    analysis = le.LoopElastica(universe).run(stop=5)
+    results = analysis.results
+    np.testing.assert_array_equal(results.rmsd_A[:, 0], loop.candidates[0].rmsd_models_A[:5])
+    assert results.energy_per_A[0, 0] == loop.candidates[0].energy_per_A
+    np.testing.assert_array_equal(analysis.trace_A(0)[0], loop.candidates[0].trace)
+    assert results.touching.shape == (5, 1)
+    assert not results.touching.any()
+    assert results.failures == []
+
+
+@pytest.mark.parametrize("backend", ["multiprocessing", "dask"])
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_backends_agree(universe, backend):
+    if backend == "dask":
+        pytest.importorskip("dask")
+    serial, parallel = (
+        le.LoopElastica(universe).run(stop=4, **how)
+        for how in ({}, {"backend": backend, "n_workers": 2})
+    )
+    for name in ("energy_per_A", "rmsd_A", "touching", "traces_A"):
+        np.testing.assert_array_equal(serial.results[name], parallel.results[name])
+    assert serial.results.failures == parallel.results.failures
+
+
+def test_a_frame_that_cannot_be_folded_is_told_and_the_others_are(universe):
+    analysis = le.LoopElastica(universe, length_per_nucleotide_A=3.634).run(stop=6)
+    failed = ~np.isfinite(analysis.results.energy_per_A[:, 0])
+    assert 0 < failed.sum() < 6
+    assert [frame for frame, _ in analysis.results.failures] == np.flatnonzero(failed).tolist()
+    assert np.isfinite(analysis.results.traces_A[~failed]).all()
+    assert not np.isnan(analysis.results.traces_A).any()
+
+
+def test_the_table_has_a_line_per_frame_and_loop(universe):
+    pytest.importorskip("pandas")
+    analysis = le.LoopElastica(universe).run(stop=3)
+    table = analysis.to_dataframe()
+    assert list(table["frame"]) == [0, 1, 2]
+    assert list(table["loop"]) == ["A6-9"] * 3
+    np.testing.assert_array_equal(table["rmsd_A"], analysis.results.rmsd_A[:, 0])
+
+
+def test_options_are_those_of_fold(universe):
+    with pytest.raises(ValueError, match="taper"):
+        le.LoopElastica(universe, taper=3.0)
+    with pytest.raises(TypeError):
+        le.LoopElastica(universe, tapper=0.1)

@@ -1,0 +1,37 @@
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from loopelastica.rod._library import _stored, stored_rods
+from loopelastica.rod.kernels.shooting import ends
+
+
+def test_stored_rods_reach_their_stored_poses():
+    for free_spin in (False, True):
+        stored = _stored(free_spin)[::500]
+        positions, quaternions = ends(stored[:, :6].copy(), 1.0, 3.0)
+        moderate = np.linalg.norm(stored[:, :3], axis=1) < 60
+        np.testing.assert_allclose(positions[moderate], stored[moderate, 6:9], atol=1e-3)
+        dots = np.abs((quaternions * stored[:, 9:]).sum(1))[moderate]
+        assert dots.min() > 1 - 1e-5
+
+
+def test_a_stored_rod_is_its_own_nearest_neighbour_after_any_turn_of_the_start_frame(rng):
+    for torsion_ratio in (1.0, 0.7):
+        loads = _stored(False)[rng.integers(0, 20_000, 50), :6]
+        positions, quaternions = ends(loads, torsion_ratio, 3.0)
+        turn = Rotation.from_rotvec([0, 0, 0.9])
+        rotations = (
+            turn * Rotation.from_quat(quaternions, scalar_first=True) * turn.inv()
+        ).as_matrix()
+        nearest, known = stored_rods(torsion_ratio, False).nearest(
+            turn.apply(positions), rotations, 2, within=1e-3
+        )
+        assert (known >= 1).all()
+        for part in (slice(0, 3), slice(3, 6)):
+            np.testing.assert_allclose(nearest[:, 0, part], turn.apply(loads[:, part]), atol=1e-4)
+
+
+def test_no_rod_is_known_where_none_is_near():
+    far = np.array([[0.0, 0.0, -0.9999]])
+    _, known = stored_rods(1.0, False).nearest(far, np.eye(3)[None], 3, within=0.05)
+    assert known[0] == 0

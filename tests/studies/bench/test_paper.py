@@ -1,0 +1,158 @@
+"""The paper's studies run again: what is written, and that an interruption costs nothing."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from loopelastica.studies.bench import paper as bench
+from loopelastica.studies.bench._report import markdown_table, write_csv, write_text
+
+TIMES = ("time_ms",)
+
+
+@pytest.fixture(scope="module")
+def grids(tmp_path_factory):
+    return tmp_path_factory.mktemp("grids")
+
+
+@pytest.fixture(autouse=True)
+def small(grids, monkeypatch):
+    """A few cells of little work; grids in a folder of their own."""
+    monkeypatch.setenv("LOOPELASTICA_CACHE", str(grids))
+    monkeypatch.setattr(bench, "_CHUNK", 4)
+    cells = bench._cells
+
+    def few(figures):
+        return [
+            cell for cell in cells(figures) if cell.delta == 0.5 and cell.l + cell.figure in (5, 7)
+        ]
+
+    monkeypatch.setattr(bench, "_cells", few)
+
+
+def without_times(rows):
+    return [{k: v for k, v in row.items() if k not in TIMES} for row in rows]
+
+
+def test_cells_are_the_papers(monkeypatch):
+    monkeypatch.undo()
+    cells = bench._cells((3, 4, 5))
+    assert len(cells) == 12 + 1 + 10
+    counts = {(cell.l, cell.delta): cell.paper_rods for cell in cells}
+    assert counts[2, 2] == 3622
+    assert counts[2, 1] == 2154
+    assert counts[2, 0.25] == 50946
+    # "overall 797 138 inversions" (Fig. 4)
+    assert sum(cell.paper_rods for cell in cells if cell.figure == 4 and cell.symmetry) == 797138
+
+
+def test_a_run_writes_tables_and_pictures(tmp_path):
+    rows = bench.run(tmp_path / "out", sample=12, progress=False)
+    assert len(rows) == 3 + 2
+    for row in rows:
+        assert row["tested"] == 12
+        assert row["success_percent"] >= 90
+        assert row["time_ms"] > 0
+    with (tmp_path / "out" / "paper.csv").open(newline="") as file:
+        written = list(csv.DictReader(file))
+    assert [int(row["tested"]) for row in written] == [12] * 5
+    with (tmp_path / "out" / "own.csv").open(newline="") as file:
+        own = list(csv.DictReader(file))
+    # once for each set of rods, whatever the printed method's error and symmetry
+    assert [(row["tested"], float(row["success_percent"])) for row in own] == [("12", 100.0)] * 2
+    assert all(float(row["residual_max"]) < 1e-9 for row in own)
+    text = (tmp_path / "out" / "paper.md").read_text(encoding="utf-8")
+    assert "57,740" in text
+    assert "53,170" in text
+    assert "| 99.9 |" in text
+    for number in (3, 4, 5):
+        picture = (tmp_path / "out" / f"fig{number}.png").read_bytes()
+        assert picture.startswith(b"\x89PNG")
+
+
+def test_an_interrupted_run_goes_on_to_the_same_table(tmp_path, monkeypatch):
+    expected = bench.run(tmp_path / "whole", sample=13, figures=(3,), progress=False)
+    measure, calls = bench._measure, []
+
+    def interrupted(rods, solver):
+        calls.append(len(rods))
+        if len(calls) == 8:
+            raise KeyboardInterrupt
+        return measure(rods, solver)
+
+    out = tmp_path / "halves"
+    monkeypatch.setattr(bench, "_measure", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        bench.run(out, sample=13, figures=(3,), progress=False)
+    assert not list(out.glob("**/*.part"))
+    kept = sorted((out / "partial").glob("*.npz"))
+    assert kept
+    assert not (out / "paper.csv").exists()
+    monkeypatch.setattr(bench, "_measure", measure)
+    rows = bench.run(out, sample=13, figures=(3,), progress=False)
+    assert without_times(rows) == without_times(expected)
+    # nothing is measured again
+    monkeypatch.setattr(bench, "_measure", lambda *_: pytest.fail("measured again"))
+    assert bench.run(out, sample=13, figures=(3,), progress=False) == rows
+
+
+def test_a_larger_sample_continues_a_smaller_one(tmp_path):
+    small = bench.run(tmp_path / "out", sample=5, figures=(3,), progress=False)
+    larger = bench.run(tmp_path / "out", sample=9, figures=(3,), progress=False)
+    at_once = bench.run(tmp_path / "other", sample=9, figures=(3,), progress=False)
+    assert [row["tested"] for row in small] == [5] * 3
+    assert without_times(larger) == without_times(at_once)
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not an archive"])
+def test_damaged_partial_results_are_measured_again(tmp_path, content):
+    expected = bench.run(tmp_path / "out", sample=5, figures=(3,), progress=False)
+    for path in (tmp_path / "out" / "partial").glob("*.npz"):
+        path.write_bytes(content)
+    again = bench.run(tmp_path / "out", sample=5, figures=(3,), progress=False)
+    assert without_times(again) == without_times(expected)
+
+
+def test_another_seed_does_not_take_over_results(tmp_path):
+    first = bench.run(tmp_path / "out", sample=5, figures=(3,), seed=1, progress=False)
+    second = bench.run(tmp_path / "out", sample=5, figures=(3,), seed=2, progress=False)
+    assert without_times(first) != without_times(second)
+
+
+def test_bad_arguments_are_named(tmp_path):
+    with pytest.raises(ValueError, match="`sample`"):
+        bench.run(tmp_path, sample=0)
+    with pytest.raises(ValueError, match="`figures`"):
+        bench.run(tmp_path, figures=(6,))
+
+
+def test_tables_leave_out_what_is_missing(tmp_path):
+    rows = [{"a": 1.5, "b": "x"}, {"a": None, "b": "y"}]
+    write_csv(tmp_path / "t.csv", rows)
+    assert (tmp_path / "t.csv").read_text() == "a,b\n1.5,x\n,y\n"
+    write_csv(tmp_path / "none.csv", [])
+    assert (tmp_path / "none.csv").read_text() == ""
+    assert markdown_table(rows, {"a": ("A", ".2f"), "b": ("B", "")}).splitlines()[2:] == [
+        "| 1.50 | x |",
+        "| – | y |",
+    ]
+
+
+def test_a_text_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
+    write_text(tmp_path / "t.md", "before")
+
+    def full(*_):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr("os.replace", full)
+    with pytest.raises(OSError, match="space"):
+        write_text(tmp_path / "t.md", "after")
+    assert (tmp_path / "t.md").read_text() == "before"
+    assert [p.name for p in tmp_path.iterdir() if p.suffix == ".part"] == []
+
+
+def test_measured_time_does_not_count_compilation(tmp_path):
+    rows = bench.run(tmp_path / "out", sample=8, figures=(3,), progress=False)
+    assert max(row["time_ms"] for row in rows) < 1000
+    assert np.isfinite([row["iterations"] for row in rows]).all()

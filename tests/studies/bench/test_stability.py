@@ -1,0 +1,76 @@
+"""The stress report: every case is run, and what is written can be read."""
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+
+import loopelastica as le
+from loopelastica.studies.bench import stability as bench
+
+# near-aligned ends: the plane of the small bow is decided by 1e-6 terms, not each is solved
+HARD = "tangent at 1e-6 to the chord, both"
+
+
+@pytest.fixture(autouse=True)
+def tiny(monkeypatch):
+    monkeypatch.setattr(bench, "_LEAST", 4)
+    monkeypatch.setattr(bench, "_SHARE", 10**6)
+    monkeypatch.setattr(bench, "_TIMED", (2, 2))
+    monkeypatch.setattr(bench, "_CHECKED", (1, 1))
+
+
+def test_a_run_writes_every_case_and_no_nan(tmp_path):
+    rows = bench.run(tmp_path / "out", progress=False)
+    assert [row["case"] for row in rows] == [case.name for case in bench.poses.all_cases()]
+    for row in rows:
+        if row["case"] == HARD:
+            continue
+        assert row["right"] == row["sample"] == 4, row
+        if row["expected"] == "converged":
+            assert row["residual_max"] < 1e-9
+            assert row["checked"] == 1
+    for name in ("stability.csv", "stability.md", "failures.json"):
+        text = (tmp_path / "out" / name).read_text(encoding="utf-8").lower()
+        assert "nan" not in text.replace("tangent", "")
+    with (tmp_path / "out" / "stability.csv").open(newline="", encoding="utf-8") as file:
+        assert len(list(csv.DictReader(file))) == len(rows)
+    table = (tmp_path / "out" / "stability.md").read_text(encoding="utf-8").splitlines()[4:]
+    assert len(table) == len(rows) + 2
+    assert len({line.count("|") for line in table}) == 1
+    assert (tmp_path / "out" / "stability.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_second_run_takes_what_the_first_one_measured(tmp_path, monkeypatch):
+    few = bench.poses.all_cases()[:2]
+    monkeypatch.setattr(bench.poses, "all_cases", lambda: few)
+    rows = bench.run(tmp_path, progress=False)
+    monkeypatch.setattr(bench, "_measure", lambda *_: pytest.fail("measured again"))
+    assert bench.run(tmp_path, progress=False) == rows
+
+
+def test_failures_are_kept_as_clampings(tmp_path, monkeypatch):
+    beyond = bench.poses.Case("beyond", bench.poses.straight, 4, expected=le.Status.UNREACHABLE)
+    monkeypatch.setattr(bench.poses, "all_cases", lambda: [beyond])
+    (row,) = bench.run(tmp_path, progress=False)
+    assert row["right"] == 0
+    assert row["others"] == "4 converged"
+    kept = json.loads((tmp_path / "failures.json").read_text())
+    assert le.Clamping(kept[0]["position"], kept[0]["rotation"]).position[2] == 1.0
+
+
+@pytest.mark.parametrize("gap", [0.5, 0.05, 1e-4, 1e-6])
+def test_the_independent_evaluation_sees_a_wrong_rod(rng, gap):
+    position, rotation = (a[0] for a in bench.poses.at_gap(rng, 1, gap))
+    rod = le.solve(le.Clamping(position, rotation), 0.7)
+    misfit, energy = bench.independent(rod)
+    assert misfit < 1e-9
+    assert energy < 1e-8
+    values = rod.to_dict()
+    values["loads"] = list(np.array(values["loads"]) * (1 + 1e-5))
+    values["energy"] *= 1 + 1e-5
+    misfit, energy = bench.independent(le.Equilibrium.from_dict(values))
+    assert misfit > 1e-8
+    assert math.isfinite(energy)

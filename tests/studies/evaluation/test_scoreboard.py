@@ -1,0 +1,95 @@
+"""The scoreboard over a few real files."""
+
+import csv
+import shutil
+
+import pytest
+from typer.testing import CliRunner
+
+import loopelastica as le
+from loopelastica.cli.app import app
+from loopelastica.studies.evaluation.scoreboard import evaluate, groups, scoreboard
+
+ENTRIES = ("1bjh", "1kr8", "2l5k", "1szy", "1k2g")
+
+
+@pytest.fixture(scope="module")
+def folder(hairpin_folder, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("structures")
+    for entry in ENTRIES:
+        shutil.copy(hairpin_folder / f"{entry}.pdb.gz", folder)
+    (folder / "broken.pdb").write_text("nothing\n")
+    (folder / "notes.txt").write_text("no structure")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def done(folder, tmp_path_factory):
+    out = tmp_path_factory.mktemp("out")
+    result = CliRunner().invoke(app, ["evaluate", str(folder), "-o", str(out)])
+    assert result.exit_code == 1
+    assert "broken.pdb" in result.stderr
+    with (out / "scoreboard.csv").open() as file:
+        return out, list(csv.DictReader(file))
+
+
+def test_every_loop_has_a_row_with_the_numbers_of_fold(folder, done):
+    rows = {(row["file"], row["loop"]): row for row in done[1]}
+    assert len(rows) == 6
+    (loop,) = le.fold(folder / "1bjh.pdb.gz")
+    row = rows["1bjh.pdb.gz", "A5-7"]
+    assert float(row["rmsd_first_A"]) == loop.candidates[0].rmsd_A
+    assert float(row["models_first_A"]) == pytest.approx(loop.candidates[0].rmsd_models_A.mean())
+    assert row["n_models"] == "16"
+    assert (row["type"], row["closing_type"], row["set"]) == ("triloop", "C-G", "DNA")
+    for row in rows.values():
+        assert float(row["rmsd_best_A"]) <= float(row["rmsd_best5_A"]) <= float(row["rmsd_first_A"])
+        assert float(row["hermite_A"]) < float(row["chord_A"])
+    plain = le.fold(
+        folder / "1szy.pdb.gz", stem_extend_5=0, stem_extend_3=0, taper=0, all_models=False
+    )
+    assert float(rows["1szy.pdb.gz", "A8-14"]["plain_rod_A"]) == plain[0].candidates[0].rmsd_A
+
+
+def test_what_is_no_evidence_is_shown_apart(done):
+    (row,) = (row for row in done[1] if row["file"] == "2l5k.pdb.gz")
+    assert (row["set"], row["simple"]) == ("not evidence", "False")
+    text = (done[0] / "scoreboard.md").read_text()
+    assert "apart: 2l5k.pdb.gz A11-13" in text
+    assert "all simple loops (5)" in text
+    for name in ("rmsd_by_length.png", "energy_and_rmsd.png", "rank_of_best.png"):
+        assert (done[0] / name).stat().st_size > 5000
+
+
+def test_a_second_run_measures_nothing_again_and_writes_the_same(folder, done):
+    before = (done[0] / "scoreboard.csv").read_bytes()
+    again = evaluate(folder, done[0])
+    assert again.n_resumed == again.n_files == 6
+    assert (done[0] / "scoreboard.csv").read_bytes() == before
+
+
+def test_where_a_simple_curve_wins_the_table_says_so():
+    row = {
+        "simple": True, "set": "RNA, small files", "type": "triloop", "nucleotides": 3,
+        "kind": "RNA", "family": "a", "file": "x", "loop": "y",
+    }  # fmt: skip
+    numbers = dict.fromkeys(
+        (
+            *("rmsd_first_A", "rmsd_best5_A", "rmsd_best_A", "models_first_A", "plain_rod_A"),
+            *("refit_taper_A", "refit_all_A", "hermite_A", "chord_A", "plain_hermite_A"),
+            *("plain_arc_A", "plain_chord_A", "mean_loop_A"),
+        ),
+        2.0,
+    )
+    text = scoreboard([row | numbers | {"arc_A": 1.25}])
+    assert "all simple loops: circular arc, same ends (1.25 against 2.00 Å)" in text
+    assert "Nowhere" in scoreboard([row | numbers | {"arc_A": 3.0}])
+    assert list(groups([row])) == [
+        "all simple loops", "RNA, small files", "triloop", "3 nucleotides",
+    ]  # fmt: skip
+
+
+def test_a_folder_without_structures_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="holds no PDB or mmCIF"):
+        evaluate(tmp_path, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
