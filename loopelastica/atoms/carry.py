@@ -16,13 +16,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from loopelastica._arrays import Array
 from loopelastica.molecule.ends import StemEnds
 from loopelastica.molecule.strands import Strand, line_cylinder, line_frame, line_length_A
 from loopelastica.rod.equilibrium import Equilibrium
-
-Array = NDArray[np.float64]
 
 
 def helix_twist(strand: Strand) -> float:

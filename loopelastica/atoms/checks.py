@@ -9,11 +9,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.atoms.chemistry import LoopMolecule
 from loopelastica.atoms.geometry import IdealGeometry, chiral_quads, separations
 from loopelastica.molecule.nucleotides import BACKBONE
-
-Array = NDArray[np.float64]
 
 BOND_TOLERANCE_A: Final = 0.05
 ANGLE_TOLERANCE_DEG: Final = 6.0

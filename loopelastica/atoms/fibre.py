@@ -17,12 +17,11 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.molecule.nucleotides import BACKBONE
 from loopelastica.molecule.strands import Strand, ideal_strand, line_frame
 
-Array = NDArray[np.float64]
 _Cylinder = dict[str, tuple[float, float, float]]
 
 _A_SUGAR: Final[_Cylinder] = {

@@ -9,10 +9,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.atoms.chemistry import LoopMolecule, Residue
 from loopelastica.atoms.ideal import ideal_value
 
-Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 BOND_SD_A: Final = 0.012

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.atoms.checks import puckers
 from loopelastica.atoms.chemistry import LoopMolecule
 from loopelastica.atoms.geometry import (
@@ -29,8 +30,6 @@ from loopelastica.atoms.ideal import ideal_value
 from loopelastica.atoms.relax import Relaxed, Restraints, relax
 from loopelastica.atoms.site import Site
 from loopelastica.molecule.nucleotides import BACKBONE
-
-Array = NDArray[np.float64]
 
 TETHER_SD_A: Final = 2.0
 """How weakly each atom is held to where the line has carried it."""

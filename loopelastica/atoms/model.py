@@ -14,8 +14,8 @@ from itertools import product
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.checks import Checks, check
 from loopelastica.atoms.chemistry import LoopMolecule
@@ -29,8 +29,6 @@ from loopelastica.folding.fold import LoopFold
 from loopelastica.folding.rank import Candidate
 from loopelastica.molecule.nucleotides import BACKBONE, Structure
 from loopelastica.molecule.strands import ideal_strand
-
-Array = NDArray[np.float64]
 
 LINE_SD_A: Final = (0.3, 1.0, 3.0)
 """How near the backbone centroids are held to the line. The next one is for lines from which no

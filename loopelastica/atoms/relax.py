@@ -33,7 +33,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
-Array = NDArray[np.float64]
+from loopelastica._arrays import Array
+
 Index = NDArray[np.int64]
 
 OVERLAP_SD_A: Final = 0.05

@@ -6,16 +6,14 @@ import re
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.folding.fold import LoopFold, checked_parameters, fold_positions
 from loopelastica.molecule.hairpins import MAX_LOOP, MIN_LOOP, Hairpin
 from loopelastica.molecule.nucleotides import Structure, read_structure
 from loopelastica.molecule.reading import quiet
 from loopelastica.molecule.strands import ideal_strand
-
-Array = NDArray[np.float64]
 
 _PAIRS: Final = frozenset(("AU", "UA", "AT", "TA", "GC", "CG", "GU", "UG", "GT", "TG"))
 

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.atoms.chemistry import (
     JUNCTION_3,
     JUNCTION_5,
@@ -20,8 +21,6 @@ from loopelastica.atoms.turn import Stem
 from loopelastica.errors import StructureError
 from loopelastica.folding.fold import LoopFold
 from loopelastica.molecule.nucleotides import BACKBONE, RING, Structure, atom_positions
-
-Array = NDArray[np.float64]
 
 GRID_A: Final = 6
 """Decimals that are kept: below them, turns of the input would make the arithmetic differ."""

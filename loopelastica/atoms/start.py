@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.atoms.carry import Line, own_phase
 from loopelastica.atoms.chemistry import LoopMolecule, Residue
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.site import GRID_A, Site
 from loopelastica.atoms.turn import Turns, place
 from loopelastica.molecule.strands import ideal_strand
-
-Array = NDArray[np.float64]
 
 _PUSHES: Final = 100
 _PUSH_A: Final = 3.5

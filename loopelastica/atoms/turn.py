@@ -26,11 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from loopelastica._arrays import Array
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.fibre import fibre_nucleotide, in_line_frame
 from loopelastica.molecule.nucleotides import RING
-
-Array = NDArray[np.float64]
 
 OMEGA_STEPS: Final = 24
 CHI_CHANGES_DEG: Final = (0.0, -30.0, 30.0)

@@ -19,13 +19,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.atoms.model import AtomModel
 from loopelastica.atoms.site import elements, waters
 from loopelastica.folding.fold import LoopFold
 from loopelastica.molecule.nucleotides import Structure
 from loopelastica.molecule.reading import quiet
-
-Array = NDArray[np.float64]
 
 _WATER_A: Final = 3.0
 _LAST_SERIAL: Final = 99_999

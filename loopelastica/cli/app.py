@@ -9,10 +9,10 @@ import typer
 from loopelastica.studies.bench.commands import bench
 
 if TYPE_CHECKING:
+    from loopelastica._arrays import Array
     from loopelastica.atoms.write import LoopAtoms
     from loopelastica.folding.fold import LoopFold
     from loopelastica.molecule.nucleotides import Structure
-    from loopelastica.rod.clamping import Array
 
 app = typer.Typer(
     help="Folds nucleic-acid hairpin loops as elastic rods clamped to their stems.",

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from loopelastica._arrays import Array, read_only
 from loopelastica.errors import StructureError
 from loopelastica.folding.rank import Candidate, rank
 from loopelastica.molecule.clamp_rule import default_clamp
@@ -26,7 +27,7 @@ from loopelastica.molecule.nucleotides import (
     read_structure,
 )
 from loopelastica.molecule.selection import as_texts
-from loopelastica.rod.clamping import Array, Clamping, read_only
+from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibria import equilibria
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from loopelastica._arrays import Array, read_only
 from loopelastica.molecule.contacts import Contacts, contacts
 from loopelastica.molecule.ends import StemEnds
 from loopelastica.molecule.trace import loop_arc_positions, rmsd_A, to_file_coordinates
-from loopelastica.rod.clamping import Array, read_only
 from loopelastica.rod.equilibrium import Equilibrium
 
 # points per nucleotide at which contacts are looked for: 0.6 Å apart

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.folding.fold import (
     PERSISTENCE_LENGTH_A,
@@ -26,7 +27,6 @@ from loopelastica.molecule.contacts import stem_atoms
 from loopelastica.molecule.ends import StemEnds, placed_stem
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
 from loopelastica.molecule.nucleotides import Nucleotides, read_structure
-from loopelastica.rod.clamping import Array
 from loopelastica.rod.equilibria import equilibria
 
 if TYPE_CHECKING:

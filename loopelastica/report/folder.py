@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from loopelastica import __version__
+from loopelastica._arrays import Array
 from loopelastica.folding.fold import LoopFold
 from loopelastica.folding.rank import Candidate
 from loopelastica.molecule.nucleotides import Structure, is_pdb
@@ -34,7 +35,6 @@ from loopelastica.report.pdb import (
     write_chimerax,
     write_pymol,
 )
-from loopelastica.rod.clamping import Array
 
 if TYPE_CHECKING:
     from loopelastica.atoms.write import LoopAtoms

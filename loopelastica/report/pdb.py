@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from loopelastica import __version__
+from loopelastica._arrays import Array
 from loopelastica.folding.fold import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb, pdb_records, quiet
-from loopelastica.rod.clamping import Array
 
 POINT = "CEN"
 """Atom name of the point of the line that stands for a nucleotide."""

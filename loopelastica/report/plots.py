@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from loopelastica._arrays import Array
 from loopelastica.folding.fold import LoopFold
 from loopelastica.molecule.trace import smoothed_line, to_file_coordinates
-from loopelastica.rod.clamping import Array
 
 _POINTS = 101
 

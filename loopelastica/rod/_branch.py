@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from loopelastica.rod.clamping import Array, Clamping
+from loopelastica._arrays import Array
+from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import METHODS, Equilibrium, Status
 from loopelastica.rod.kernels.arclength import corrected_step, moving_clamp
 from loopelastica.rod.solve import TOLERANCE, quaternion

@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica._files import data_path
-from loopelastica.rod.clamping import Array
 from loopelastica.rod.kernels.shooting import ends
 
 if TYPE_CHECKING:

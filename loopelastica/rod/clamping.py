@@ -8,19 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from loopelastica._arrays import Array, read_only
 
 # a matrix read from a file with five decimals is still a rotation; a worse one is a mistake
 _ORTHONORMAL = 1e-4
-
-
-def read_only(values: ArrayLike) -> Array:
-    """A float64 copy that cannot be written to."""
-    array = np.array(values, dtype=np.float64)
-    array.setflags(write=False)
-    return array
 
 
 def _nearest_rotation(rotation: Array) -> Array:

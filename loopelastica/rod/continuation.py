@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from loopelastica._arrays import Array, read_only
 from loopelastica.rod._branch import (
     AGREE,
     SEGMENTS,
@@ -36,7 +37,7 @@ from loopelastica.rod._branch import (
     turned_downhill,
     where,
 )
-from loopelastica.rod.clamping import Array, Clamping, read_only
+from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import MESSAGES, METHODS, Equilibrium, Status
 from loopelastica.rod.solve import from_standard_starts
 from loopelastica.rod.stability import morse_index

@@ -18,7 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from loopelastica.rod.clamping import Array, Clamping
+from loopelastica._arrays import Array
+from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium, Status
 from loopelastica.rod.solve import (
     TOLERANCE,

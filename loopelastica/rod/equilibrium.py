@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from loopelastica.rod.clamping import Array, Clamping, read_only
+from loopelastica._arrays import Array, read_only
+from loopelastica.rod.clamping import Clamping
 
 if TYPE_CHECKING:
     from loopelastica.rod.parameters import PhysicalParameters

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from loopelastica.rod.clamping import Array, Clamping
+from loopelastica._arrays import Array
+from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import METHODS, Equilibrium, Status
 
 # largest end error (position, rotation vector) of a converged solution on the check mesh

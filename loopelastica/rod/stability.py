@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from loopelastica.rod.clamping import Array
+from loopelastica._arrays import Array
 from loopelastica.rod.equilibrium import Equilibrium
 
 STIFF = 25.0

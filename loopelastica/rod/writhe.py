@@ -36,13 +36,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from loopelastica._arrays import Array
 from loopelastica.rod.kernels.jit import kernel
 
 __all__ = ["net_winding", "polar_writhe", "twist", "writhe"]
-
-Array = NDArray[np.float64]
 
 
 @kernel

@@ -66,6 +66,7 @@ class driver:  # noqa: N801 (a decorator)
         self._compiled = kernel(function)
 
     def __call__(self, *args: Any) -> Any:
+        """Interpret it."""
         return self._interpreted(*args)
 
     @property

@@ -14,11 +14,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from loopelastica.rod.clamping import Clamping, read_only
-
-Array = NDArray[np.float64]
+from loopelastica._arrays import Array, read_only
+from loopelastica.rod.clamping import Clamping
 
 _ANGLES = {"psi": 3, "theta": 4, "phi": 5}
 # radians; a turn takes at least 60 steps

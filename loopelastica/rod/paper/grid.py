@@ -41,7 +41,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from loopelastica._arrays import Array
 
 # in place of t_P = 0 (end of section 4.2)
 _NO_TWIST = 1e-3

@@ -9,13 +9,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.parameters import PhysicalParameters
 from loopelastica.rod.writhe import net_winding
-
-Array = NDArray[np.float64]
 
 # two solutions are one if their physical parameters differ by less (section 4.5)
 _SAME = 0.1
@@ -83,6 +81,7 @@ def turned_loads(loads: Array, angle: float) -> Array:
 
 
 def end_residual(loads: Array, clamping: Clamping, torsion_ratio: float) -> float:
+    """Largest component of the end's position error and rotation vector."""
     from loopelastica.rod.kernels.rotations import quaternion_from_matrix, rotation_vector
     from loopelastica.rod.paper import errors as kernels
 

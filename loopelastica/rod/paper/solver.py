@@ -25,6 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.paper import grid as _grid
 from loopelastica.rod.paper.continuation import Continuation, continue_angle
@@ -47,7 +48,6 @@ __all__ = [
     "solve_paper",
 ]
 
-Array = NDArray[np.float64]
 
 # numbers of the errors (eq. 30–32) and of the mappings q2 in the compiled code
 ERRORS = {"eps1": 1, "eps2": 2, "eps3": 3}

@@ -12,13 +12,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.rod.parameters import PhysicalParameters
 from loopelastica.studies.bench import _peers, _reference
 from loopelastica.studies.bench._poses import random_loads
 
-Array = NDArray[np.float64]
 Row = dict[str, Any]
 # what is timed, and the pose (7,) in what it returns
 Way = tuple[Callable[[], Any], Callable[[Any], Array]]

@@ -13,8 +13,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.paper import ERRORS, PaperSolver
@@ -23,7 +23,6 @@ from loopelastica.studies.bench import _peers
 from loopelastica.studies.bench._poses import Draw, Poses, at_shell, load_drawn
 from loopelastica.studies.bench.stability import misfits
 
-Array = NDArray[np.float64]
 Row = dict[str, Any]
 
 SUCCESS = (1e-5, 1e-9)

@@ -11,9 +11,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from loopelastica._arrays import Array
 from loopelastica._files import data_path
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibria import equilibria
@@ -23,7 +23,6 @@ from loopelastica.rod.stability import assess
 from loopelastica.studies.bench import _poses as poses
 from loopelastica.studies.bench._processes import seconds_of
 
-Array = NDArray[np.float64]
 Row = dict[str, Any]
 Call = Callable[[], Any]
 

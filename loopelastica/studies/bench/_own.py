@@ -9,13 +9,10 @@ import time
 from collections.abc import Iterable
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from loopelastica._arrays import Array
 from loopelastica.rod.paper import grid_kernels as kernels
 from loopelastica.rod.solve import solve_batch
 
-Array = NDArray[np.float64]
 Row = dict[str, Any]
 
 # rods solved between two moves of the bar

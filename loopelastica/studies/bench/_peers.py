@@ -17,12 +17,11 @@ import time
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium, Status
 
-Array = NDArray[np.float64]
 Method = Callable[[Clamping], Equilibrium | None]
 
 _START = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])

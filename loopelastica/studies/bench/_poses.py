@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from loopelastica._arrays import Array
 from loopelastica.rod.equilibrium import Status
 from loopelastica.rod.parameters import PhysicalParameters, a_min, forceless
 
-Array = NDArray[np.float64]
 Poses = tuple[Array, Array]
 Draw = Callable[[np.random.Generator, int], Poses]
 

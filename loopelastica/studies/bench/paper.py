@@ -28,6 +28,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.rod.paper import ERRORS, FORWARD, PaperSolver
 from loopelastica.rod.paper import grid as _grid
 from loopelastica.studies.bench import _own
@@ -35,7 +36,6 @@ from loopelastica.studies.bench._report import markdown_table, write_bytes, writ
 
 __all__ = ["Cell", "run"]
 
-Array = NDArray[np.float64]
 Row = dict[str, Any]
 
 _SUCCESS = 1e-5  # eq. 39

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibria import equilibria
@@ -28,7 +27,6 @@ from loopelastica.studies.bench._report import markdown_table, write_csv, write_
 
 __all__ = ["run", "slope", "stream"]
 
-Array = NDArray[np.float64]
 Row = dict[str, Any]
 
 _SEED = 2026

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from loopelastica._arrays import Array
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium, Status
 from loopelastica.rod.solve import Batch, solve, solve_batch
@@ -28,7 +29,6 @@ from loopelastica.studies.bench._report import markdown_table, write_bytes, writ
 
 __all__ = ["independent", "run"]
 
-Array = NDArray[np.float64]
 Row = dict[str, Any]
 
 _SEED = 2026

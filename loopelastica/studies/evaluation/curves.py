@@ -7,8 +7,8 @@ the ends, nothing else.
 import numpy as np
 from scipy.optimize import brentq
 
+from loopelastica._arrays import Array
 from loopelastica.molecule.ends import StemEnds
-from loopelastica.rod.clamping import Array
 
 _DENSE = 400
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from loopelastica._arrays import Array
 from loopelastica.batch.journal import Record
 from loopelastica.batch.run import Task, Work
 from loopelastica.errors import StructureError
@@ -16,7 +17,6 @@ from loopelastica.molecule.ends import PlacedStem, StemEnds, placed_stem
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.molecule.trace import loop_arc_positions, rmsd_A, to_file_coordinates
-from loopelastica.rod.clamping import Array
 from loopelastica.rod.solve import solve
 from loopelastica.studies.evaluation.curves import arc, chord, hermite, stem_axes
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from loopelastica._arrays import Array
 from loopelastica.molecule.clamp_rule import default_clamp
-from loopelastica.rod.clamping import Array
 from loopelastica.studies.evaluation.loops import EXTENSIONS, TAPERS
 
 # lengths that share one entry of the table of extensions
