@@ -18,8 +18,8 @@ _PUBLIC = {
     "continue_clamping": "rod.continuation",
     "twist_end": "rod.continuation",
     "solve": "rod.solve",
-    "solve_batch": "rod.solve",
-    "Batch": "rod.solve",
+    "solve_batch": "rod.batch",
+    "Batch": "rod.batch",
     "find_hairpins": "molecule.hairpins",
     "Hairpin": "molecule.hairpins",
     "Hairpins": "molecule.hairpins",
@@ -55,6 +55,8 @@ if TYPE_CHECKING:
     from loopelastica.molecule.hairpins import Hairpins as Hairpins
     from loopelastica.molecule.hairpins import find_hairpins as find_hairpins
     from loopelastica.report.dataframe import to_dataframe as to_dataframe
+    from loopelastica.rod.batch import Batch as Batch
+    from loopelastica.rod.batch import solve_batch as solve_batch
     from loopelastica.rod.clamping import Clamping as Clamping
     from loopelastica.rod.continuation import continue_clamping as continue_clamping
     from loopelastica.rod.continuation import twist_end as twist_end
@@ -63,9 +65,7 @@ if TYPE_CHECKING:
     from loopelastica.rod.equilibrium import Equilibrium as Equilibrium
     from loopelastica.rod.equilibrium import Status as Status
     from loopelastica.rod.parameters import PhysicalParameters as PhysicalParameters
-    from loopelastica.rod.solve import Batch as Batch
     from loopelastica.rod.solve import solve as solve
-    from loopelastica.rod.solve import solve_batch as solve_batch
 
 
 def __getattr__(name: str) -> Any:

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica.rod._starts import TOLERANCE, quaternion
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import METHODS, Equilibrium, Status
 from loopelastica.rod.kernels.arclength import corrected_step, moving_clamp
-from loopelastica.rod.solve import TOLERANCE, quaternion
 
 # Newton steps of an accepted step
 _ITERATIONS = 8

@@ -105,7 +105,7 @@ def draw_lowest(size: int, free_spin: bool, rng: np.random.Generator) -> Array:
     """Loads (less than size, 6) of those lowest rods of random poses that loads can tell."""
     from scipy.spatial.transform import Rotation
 
-    from loopelastica.rod.solve import solve_batch
+    from loopelastica.rod.batch import solve_batch
 
     directions = rng.normal(size=(size, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)

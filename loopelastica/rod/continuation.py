@@ -37,9 +37,9 @@ from loopelastica.rod._branch import (
     turned_downhill,
     where,
 )
+from loopelastica.rod._starts import from_standard_starts
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import MESSAGES, METHODS, Equilibrium, Status
-from loopelastica.rod.solve import from_standard_starts
 from loopelastica.rod.stability import morse_index
 
 # Newton steps of an accepted step that make the next one longer or shorter

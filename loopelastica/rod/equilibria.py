@@ -19,17 +19,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.equilibrium import Equilibrium, Status
-from loopelastica.rod.solve import (
+from loopelastica.rod._starts import (
     TOLERANCE,
     check_torsion_ratio,
     from_record,
     new_record,
     quaternion,
-    solve,
     straight,
 )
+from loopelastica.rod.clamping import Clamping
+from loopelastica.rod.equilibrium import Equilibrium, Status
+from loopelastica.rod.solve import solve
 from loopelastica.rod.stability import assess
 
 # largest difference of position (L) or frame components between two copies of one equilibrium

@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica.rod.batch import Batch, solve_batch
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.paper import ERRORS, PaperSolver
-from loopelastica.rod.solve import Batch, solve, solve_batch
+from loopelastica.rod.solve import solve
 from loopelastica.studies.bench import _peers
 from loopelastica.studies.bench._poses import Draw, Poses, at_shell, load_drawn
 from loopelastica.studies.bench.stability import misfits
@@ -63,7 +64,7 @@ def _lowest(clamping: Clamping) -> Equilibrium | None:
 
 def _at_tolerance(clamping: Clamping, tolerance: float) -> Equilibrium | None:
     """The first rod of the compiled cascade, which a user has at the standard tolerance only."""
-    from loopelastica.rod import solve as module
+    from loopelastica.rod import _starts as module
     from loopelastica.rod.kernels.multistart import run_starts
 
     record = module.new_record()

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from loopelastica._arrays import Array
+from loopelastica.rod.batch import solve_batch
 from loopelastica.rod.paper import grid_kernels as kernels
-from loopelastica.rod.solve import solve_batch
 
 Row = dict[str, Any]
 

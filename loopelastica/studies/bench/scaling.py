@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from loopelastica.rod.batch import solve_batch
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibria import equilibria
 from loopelastica.rod.parameters import PhysicalParameters
-from loopelastica.rod.solve import solve_batch
 from loopelastica.studies.bench import _poses as poses
 from loopelastica.studies.bench import _scaling_plots
 from loopelastica.studies.bench._machine import peak_memory_MB, setting

@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from loopelastica._arrays import Array
+from loopelastica.rod.batch import Batch, solve_batch
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium, Status
-from loopelastica.rod.solve import Batch, solve, solve_batch
+from loopelastica.rod.solve import solve
 from loopelastica.studies.bench import _poses as poses
 from loopelastica.studies.bench._poses import Case
 from loopelastica.studies.bench._report import markdown_table, write_bytes, write_csv, write_text
