@@ -63,16 +63,7 @@ def _lowest(clamping: Clamping) -> Equilibrium | None:
 
 
 def _at_tolerance(clamping: Clamping, tolerance: float) -> Equilibrium | None:
-    """The first rod of the compiled cascade, which a user has at the standard tolerance only."""
-    from loopelastica.rod import _starts as module
-    from loopelastica.rod.kernels.multistart import run_starts
-
-    record = module.new_record()
-    outcome = run_starts(
-        clamping.position, module.quaternion(clamping), 1.0, clamping.free_spin,
-        module.starts(1.0, clamping.free_spin), False, tolerance, *record,
-    )  # fmt: skip
-    return _converged(module.from_record(clamping, 1.0, outcome, record))
+    return _converged(solve(clamping, lowest=False, tolerance=tolerance))
 
 
 def _printed(clamping: Clamping, solver: PaperSolver) -> Equilibrium | None:
