@@ -6,7 +6,7 @@ Public names are resolved when first used, so that importing the package costs n
 import importlib
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from loopelastica._version import __version__
 
 _PUBLIC = {
     "Clamping": "rod.clamping",

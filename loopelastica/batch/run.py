@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from loopelastica import __version__
+from loopelastica._version import __version__
 from loopelastica.batch.journal import Journal, Record
 from loopelastica.batch.workers import outcomes
 

@@ -66,7 +66,7 @@ _Contact = Annotated[
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from loopelastica import __version__
+        from loopelastica._version import __version__
 
         typer.echo(f"loopelastica {__version__}")
         raise typer.Exit

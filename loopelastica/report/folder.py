@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from loopelastica import __version__
 from loopelastica._arrays import Array
+from loopelastica._version import __version__
 from loopelastica.folding.fold import LoopFold
 from loopelastica.folding.rank import Candidate
 from loopelastica.molecule.nucleotides import Structure, is_pdb

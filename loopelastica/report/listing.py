@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from loopelastica import __version__
+from loopelastica._version import __version__
 from loopelastica.errors import StructureError
 from loopelastica.molecule.clamp_rule import STEM_RMS_MAX_A
 from loopelastica.molecule.ends import stem_ends

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from loopelastica import __version__
 from loopelastica._arrays import Array
+from loopelastica._version import __version__
 from loopelastica.folding.fold import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb, pdb_records, quiet
 

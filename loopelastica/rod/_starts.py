@@ -7,25 +7,23 @@ shooting and the discrete rod.
 
 import math
 import time
+from typing import Any
 
 import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium
-from loopelastica.rod.kernels.multistart import RETRIES, run_start, run_starts, shortening_of
-from loopelastica.rod.kernels.newton import elastic_energy, newton
-from loopelastica.rod.kernels.records import (
-    LAYERS,
-    Method,
-    Outcome,
-    Problem,
-    Solution,
-    Start,
-    Status,
-    new_solution,
-    starts_array,
+from loopelastica.rod.kernels.multistart import (
+    RETRIES,
+    Problems,
+    Rows,
+    Search,
+    new_rows,
+    run_batch,
+    shortening_of,
 )
+from loopelastica.rod.kernels.records import Method, Problem, Start, Status, starts_array
 from loopelastica.rod.kernels.rotations import quaternion_from_matrix
 
 # largest end error (position, rotation vector) of a converged solution on the check mesh, and
@@ -55,6 +53,9 @@ _TABLES = {
     name: starts_array(table)
     for name, table in (("free", _FREE), ("soft", _SOFT), ("lowest", _LOWEST))
 }
+
+_NO_STARTS = starts_array(())
+_NOTHING, _NONE_KNOWN = np.zeros((1, 0, 6)), np.zeros(1, np.int64)
 
 # |η| above this is the straight rod or out of reach: the load of a bent one exceeds 1e17
 STRAIGHT = 1e-9
@@ -171,21 +172,18 @@ def from_standard_starts(
     tolerance: float = TOLERANCE,
 ) -> Equilibrium:
     """The first or the lowest equilibrium that the standard starts find, for a slack clamping."""
-    solution = new_solution()
-    problem = problem_of(clamping, torsion_ratio, tolerance)
     starts = standard_starts(torsion_ratio, clamping.free_spin)
-    outcome = run_starts(problem, starts, RETRIES, lowest, solution)
-    return from_solution(clamping, torsion_ratio, outcome, solution)
+    search = Search(_NOTHING, _NONE_KNOWN, 0, starts, RETRIES, lowest, True, True)
+    return _searched(clamping, torsion_ratio, search, tolerance)
 
 
 def from_start(
     clamping: Clamping, torsion_ratio: float, start: Start, tolerance: float = TOLERANCE
 ) -> Equilibrium:
     """What one start leads to."""
-    solution = new_solution()
-    problem = problem_of(clamping, torsion_ratio, tolerance)
-    outcome = run_start(problem, starts_array((start,))[0], solution)
-    return from_solution(clamping, torsion_ratio, outcome, solution)
+    starts = starts_array((start,))
+    search = Search(_NOTHING, _NONE_KNOWN, 0, starts, _NO_STARTS, False, False, True)
+    return _searched(clamping, torsion_ratio, search, tolerance)
 
 
 def from_loads(
@@ -193,43 +191,44 @@ def from_loads(
     torsion_ratio: float,
     loads: Array,
     patience: int,
-    method: Method = Method.SHOOTING,
     tolerance: float = TOLERANCE,
 ) -> Equilibrium:
     """Newton's method from given loads (6,), in ``patience`` steps."""
-    f = np.array(loads, dtype=np.float64)
-    status, residual, _, end = newton(problem_of(clamping, torsion_ratio, tolerance), f, patience)
-    if status != Status.CONVERGED:
-        return Equilibrium(clamping, torsion_ratio, f, math.inf, math.inf, Status(status), method)
-    energy = float(elastic_energy(f, end[:3], torsion_ratio))
-    return Equilibrium(
-        clamping, torsion_ratio, f, energy, float(residual), Status.CONVERGED, method
-    )
+    guess = np.array(loads, dtype=np.float64).reshape(1, 1, 6)
+    known = np.ones(1, np.int64)
+    search = Search(guess, known, patience, _NO_STARTS, _NO_STARTS, False, False, True)
+    return _searched(clamping, torsion_ratio, search, tolerance)
 
 
-def from_solution(
-    clamping: Clamping, torsion_ratio: float, outcome: Outcome, solution: Solution
+def _searched(
+    clamping: Clamping, torsion_ratio: float, search: Search, tolerance: float
 ) -> Equilibrium:
-    """The equilibrium of an outcome and its record."""
-    method = Method(outcome.method)
-    status = Status.STALLED if method == Method.NONE else Status.CONVERGED
-    m = outcome.segments + 1 if outcome.segments else 0
-    nodes, layers = solution.nodes, np.zeros(0, LAYERS)
-    known = (
+    rows = new_rows(1)
+    poses = clamping.position[None].copy(), quaternion(clamping)[None]
+    run_batch(Problems(*poses, torsion_ratio, clamping.free_spin, tolerance), search, rows)
+    method = Method(rows.method[0])
+    return Equilibrium(
         clamping,
         torsion_ratio,
-        solution.loads,
-        float(outcome.energy),
-        float(outcome.residual),
-        status,
+        rows.loads[0],
+        float(rows.energy[0]),
+        float(rows.residual[0]),
+        Status.STALLED if method == Method.NONE else Status.CONVERGED,
         method,
+        **record_of(rows, 0),
     )
+
+
+def record_of(rows: Rows, i: int) -> dict[str, Any]:
+    """What row ``i`` needs beside its loads, as fields of an equilibrium; copies."""
+    m = int(rows.segments[i])
     if m:
-        return Equilibrium(*known, nodes.s[:m], nodes.pose[:m])
-    if method in LAYERED:
-        layers = solution.layers
-    return Equilibrium(*known, layers=layers)
+        nodes = rows.node_s[i, : m + 1], rows.node_pose[i, : m + 1]
+        return {"node_s": nodes[0].copy(), "node_pose": nodes[1].copy()}
+    if rows.method[i] in _LAYERED and not rows.shot[i]:
+        return {"layers": rows.layers[i : i + 1].copy()}
+    return {}
 
 
-# methods whose result, without nodes, is two boundary layers; other ones' are told by their loads
-LAYERED = (Method.BOUNDARY_LAYERS, Method.DISCRETE_ROD_LAYERS)
+# methods whose result, without nodes, is two boundary layers
+_LAYERED = (Method.BOUNDARY_LAYERS, Method.DISCRETE_ROD_LAYERS)

@@ -15,18 +15,18 @@ from numpy.typing import ArrayLike, NDArray
 from loopelastica._arrays import Array
 from loopelastica.rod._library import stored_rods
 from loopelastica.rod._starts import (
-    LAYERED,
     STRAIGHT,
     TOLERANCE,
     Deadline,
     check_tolerance,
     check_torsion_ratio,
+    record_of,
     standard_starts,
     straight,
 )
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium
-from loopelastica.rod.kernels.multistart import RETRIES, Problems, Rows, new_rows, run_batch
+from loopelastica.rod.kernels.multistart import RETRIES, Problems, Search, new_rows, run_batch
 from loopelastica.rod.kernels.records import Method, Status
 from loopelastica.rod.solve import by_detour
 
@@ -34,6 +34,8 @@ _CHUNK = 256
 # stored rods tried for each row of a batch, and how near they must be: further ones lead nowhere
 # more often than they spare the standard starts
 _NEIGHBOURS, _NEAR = 6, 0.24
+# Newton steps that a stored rod is given to come near: one that needs more seldom does
+_HASTE = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -298,28 +300,19 @@ def _solve_rows(
         stored = stored_rods(torsion_ratio, free_spin)
         guesses, known = stored.nearest(positions, rotations, _NEIGHBOURS, _NEAR)
     solutions = new_rows(n)
+    starts = standard_starts(torsion_ratio, free_spin)
     run_batch(
         Problems(positions, _quaternions(rotations), torsion_ratio, free_spin, tolerance),
-        guesses, known, standard_starts(torsion_ratio, free_spin), RETRIES, lowest, solutions,
-    )  # fmt: skip
+        Search(guesses, known, _HASTE, starts, RETRIES, lowest, True, False),
+        solutions,
+    )
     found = solutions.method != Method.NONE
     batch.loads[rows], batch.energy[rows] = solutions.loads, solutions.energy
     batch.residual[rows], batch.method[rows] = solutions.residual, solutions.method
     batch.status[rows] = np.where(found, Status.CONVERGED, Status.STALLED)
     for k in np.flatnonzero(found):
-        record = _record(solutions, int(k))
+        record = record_of(solutions, int(k))
         if record:
             batch._records[int(rows[k])] = record
     for k in np.flatnonzero(~found):
         _put(batch, int(rows[k]), by_detour(batch[int(rows[k])], lowest, tolerance, deadline))
-
-
-def _record(solutions: Rows, k: int) -> dict[str, Any]:
-    """What row ``k`` needs beside its loads: copies, so that the rest of the part is let go."""
-    m = int(solutions.segments[k])
-    if m:
-        nodes = solutions.node_s[k, : m + 1], solutions.node_pose[k, : m + 1]
-        return {"node_s": nodes[0].copy(), "node_pose": nodes[1].copy()}
-    if solutions.method[k] in LAYERED and not solutions.shot[k]:
-        return {"layers": solutions.layers[k : k + 1].copy()}
-    return {}

@@ -103,8 +103,8 @@ def _from_guess(
         loads = np.array(guess, dtype=np.float64)
         if loads.shape != (6,) or not np.isfinite(loads).all():
             raise ValueError("`guess` must be an Equilibrium or six finite loads F1 F2 F3 M1 M2 M3")
-    rod = from_loads(clamping, torsion_ratio, loads, _PATIENCE, Method.GUESS, tolerance)
-    return rod if rod.converged else None
+    rod = from_loads(clamping, torsion_ratio, loads, _PATIENCE, tolerance)
+    return replace(rod, method=Method.GUESS) if rod.converged else None
 
 
 def by_detour(

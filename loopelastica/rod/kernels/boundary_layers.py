@@ -27,7 +27,7 @@ import math
 
 import numpy as np
 
-from loopelastica.rod.kernels.jit import driver, kernel
+from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.linalg import eliminate
 from loopelastica.rod.kernels.rotations import (
     align,
@@ -265,7 +265,7 @@ def layers_newton(problem, torsion_ratio, x, q0, reference, layers):
     return True
 
 
-@driver
+@kernel
 def solve_layers(problem, start, layers):
     """Two boundary layers from the planar start; True if ``layers`` is a solution.
 

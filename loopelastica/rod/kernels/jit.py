@@ -1,9 +1,5 @@
 """How functions are compiled and where compiled code is kept: all that numba is asked for.
 
-Functions are of two kinds. Kernels do the arithmetic and are always compiled. Drivers choose which
-kernels to call; called from Python they are interpreted, so that only those kernels are compiled
-that the case at hand comes to, and called from a kernel (`solve_batch`) they are compiled with it.
-
 Compiled code is kept in folders, by a key that covers the text of every kernel of the package, its
 version, Python, numba and llvmlite: numba's own cache asks only the file of the function itself
 whether it changed, and answers from yesterday's code when a function that it calls was edited.
@@ -38,12 +34,11 @@ from typing import Any
 
 import llvmlite
 import numba
-import numpy as np
 from numba import njit, types
 from numba.core import config, event
 
-from loopelastica import __version__
 from loopelastica._files import whole_file
+from loopelastica._version import __version__
 
 _LOG = logging.getLogger("loopelastica")
 
@@ -147,23 +142,6 @@ def kernel(function: Callable[..., Any]) -> Any:
 
 def _pipeline(compiler: Any) -> dict[str, Any]:
     return {} if compiler is None else {"pipeline_class": compiler}
-
-
-class driver:  # noqa: N801 (a decorator)
-    """A function that Python interprets, and that kernels call as a compiled one."""
-
-    def __init__(self, function: Callable[..., Any]) -> None:
-        functools.update_wrapper(self, function)
-        self._interpreted = function
-        self._compiled = kernel(function)
-
-    def __call__(self, *args: Any) -> Any:
-        """Interpret it."""
-        return self._interpreted(*args)
-
-    @property
-    def _numba_type_(self) -> Any:
-        return types.Dispatcher(self._compiled)
 
 
 @functools.cache
@@ -333,7 +311,7 @@ def _key(folder: Path) -> str:
     here = Path(__file__).resolve().parent
     digest = hashlib.sha256()
     settings = (config.OPT, config.BOUNDSCHECK, config.DEBUGINFO_DEFAULT)
-    versions = (__version__, numba.__version__, llvmlite.__version__, np.__version__)
+    versions = (__version__, numba.__version__, llvmlite.__version__)
     for value in (*versions, *settings, sys.implementation.cache_tag, sysconfig.get_platform()):
         digest.update(f"{value}\n".encode())
     for place in dict.fromkeys((here, folder.resolve())):
@@ -371,6 +349,13 @@ def _processors() -> tuple[str, ...]:
     here = llvm.get_host_cpu_features()
     runs = bool(portable) and all(here.get(feature, False) for feature in needed)
     return tuple(dict.fromkeys((_processor(), portable) if runs else (_processor(),)))
+
+
+def portable_environment() -> dict[str, str]:
+    """Environment variables that have code compiled for any processor of this architecture."""
+    architecture = platform.machine().lower()
+    name = PORTABLE.get(_SYNONYMS.get(architecture, architecture), ("", ()))[0]
+    return {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": ""} if name else {}
 
 
 def shipped_folder() -> Path:

@@ -14,7 +14,7 @@ Results are written into records of the caller (`records.Solution`).
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from loopelastica.rod.kernels.discrete_starts import (
     start_frames,
     wave,
 )
-from loopelastica.rod.kernels.jit import driver, kernel
+from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.layer_poses import layers_apart, layers_energy, layers_loads
 from loopelastica.rod.kernels.linalg import copy, copy_rows
 from loopelastica.rod.kernels.minimization import minimize
@@ -57,9 +57,6 @@ from loopelastica.rod.kernels.refinement import (
 from loopelastica.rod.kernels.rotations import align, tangent
 
 SHOOTING = int(Method.SHOOTING)
-
-# Newton steps that a stored rod is given to come near: one that needs more seldom does
-_HASTE = 4
 
 # 1 − |r| above which half the segments do; what hinge energies may be off by
 _SHORTENED, _MARGIN = 0.15, 0.05
@@ -99,6 +96,26 @@ class Problems(NamedTuple):
     torsion_ratio: float
     free_spin: bool
     tolerance: float
+
+
+class Search(NamedTuple):
+    """How clampings (n) are searched."""
+
+    guesses: Array
+    """(n, g, 6): loads to begin with."""
+    known: Any
+    """(n,): how many of them there are."""
+    patience: int
+    """Newton steps that a guess is given to come near."""
+    starts: Any
+    """(m,) of `records.START`."""
+    retries: Any
+    """Starts where nothing else has led anywhere."""
+    lowest: bool
+    """Whether the lowest solution is sought, or the first."""
+    sparing: bool
+    """Whether what can hardly lead to the lowest solution is left out."""
+    keep_nodes: bool
 
 
 class Rows(NamedTuple):
@@ -148,7 +165,7 @@ class Halfway(NamedTuple):
     """(n, segments + 2, 4)."""
 
 
-@driver
+@kernel
 def _new_halfway(count, segments):
     energy = np.empty(count)
     for i in range(count):
@@ -163,7 +180,7 @@ def _new_halfway(count, segments):
     )
 
 
-@driver
+@kernel
 def _discrete_rod(problem, torsion_ratio, start, rod, load):
     """The discrete rod of one start: its energy, or inf; ``load`` (6,) is F and M at s = 0."""
     force, moment = np.empty(3), np.empty(3)
@@ -182,7 +199,7 @@ def _discrete_rod(problem, torsion_ratio, start, rod, load):
     return energy if found else math.inf
 
 
-@driver
+@kernel
 def _worthwhile(problem, start):
     """Whether a start can lead to the lowest rod of a nearly straight clamping.
 
@@ -209,7 +226,7 @@ def _worthwhile(problem, start):
     return abs(turn) < math.pi + 1.0
 
 
-@driver
+@kernel
 def _begin(problem, minimized_ratio, start, halfway, i):
     """Half way from a start, into row ``i`` of ``halfway``."""
     layers, load = halfway.layers[i], halfway.load[i]
@@ -229,7 +246,7 @@ def _begin(problem, minimized_ratio, start, halfway, i):
     halfway.energy[i] = energy
 
 
-@driver
+@kernel
 def _finish(problem, minimized_ratio, start, halfway, i, solution):
     """The other half from row ``i`` of ``halfway``, to an `Outcome`."""
     rod, load = DiscreteRod(halfway.s[i], halfway.frames[i]), halfway.load[i]
@@ -253,27 +270,17 @@ def _minimized_ratio(torsion_ratio):
     return min(torsion_ratio, MAX_RATIO)
 
 
-@driver
-def run_start(problem, start, solution):
-    """One start to its own solution, with no other try: an `Outcome`."""
-    ratio = _minimized_ratio(problem.torsion_ratio)
-    # all segments: half of them lose minima that are about to vanish in a fold
-    halfway = _new_halfway(1, SEGMENTS)
-    _begin(problem, ratio, start, halfway, 0)
-    if halfway.kind[0] == NONE:
-        return Outcome(NONE, math.inf, math.inf, 0)
-    return _finish(problem, ratio, start, halfway, 0, solution)
-
-
-@driver
-def run_starts(problem, starts, retries, lowest, solution):
-    """Run starts (n,) and keep the first or the lowest solution, as an `Outcome`.
+@kernel
+def _run_starts(problem, search, solution):
+    """Run a search's starts and keep the first or the lowest solution, as an `Outcome`.
 
     For the lowest, all starts go half way first and are finished in the order of their energies,
-    down to where none of those left can be lower. ``retries`` (m,) follow where nothing has led to
-    a solution.
+    down to where none of those left can be lower. The retries follow where nothing has led to a
+    solution.
     """
-    n = SEGMENTS // 2 if problem.shortening > _SHORTENED else SEGMENTS
+    starts, retries, lowest = search.starts, search.retries, search.lowest
+    # half of the segments lose minima that are about to vanish in a fold
+    n = SEGMENTS // 2 if search.sparing and problem.shortening > _SHORTENED else SEGMENTS
     count = starts.shape[0]
     ratio = _minimized_ratio(problem.torsion_ratio)
     halfway, ended = _new_halfway(count, n), np.zeros(count, np.bool_)
@@ -281,7 +288,7 @@ def run_starts(problem, starts, retries, lowest, solution):
     trial = _new_solution()
     best = Outcome(NONE, math.inf, math.inf, 0)
     for i in range(count):
-        if not _worthwhile(problem, starts[i]):
+        if search.sparing and not _worthwhile(problem, starts[i]):
             continue
         _begin(problem, ratio, starts[i], halfway, i)
         if lowest or halfway.kind[i] == NONE:
@@ -302,7 +309,8 @@ def run_starts(problem, starts, retries, lowest, solution):
             continue
         ended[i] = True
         best = _keep(_finish(problem, ratio, starts[i], halfway, i, trial), best, trial, solution)
-    rod, load = DiscreteRod(halfway.s[0], halfway.frames[0]), halfway.load[0]
+    again = _new_halfway(1, n)
+    rod, load = DiscreteRod(again.s[0], again.frames[0]), again.load[0]
     for i in range(retries.shape[0]):
         if best.method != NONE:
             break
@@ -316,7 +324,7 @@ def run_starts(problem, starts, retries, lowest, solution):
     return best
 
 
-@driver
+@kernel
 def _new_solution():
     """Room for a solution (`records.new_solution` in compiled code's reach)."""
     nodes = Nodes(np.empty(SEGMENTS + 1), np.empty((SEGMENTS + 1, 7)))
@@ -336,7 +344,7 @@ def copy_layers(source, target):
     target.meeting, target.chi_0, target.chi_1 = source.meeting, source.chi_0, source.chi_1
 
 
-@driver
+@kernel
 def _keep(outcome, best, trial, solution):
     """The better of two outcomes; a new one's record is copied from the ``trial``."""
     if not outcome.energy < best.energy:
@@ -366,11 +374,11 @@ def shortening_of(position):
 
 
 @kernel
-def run_batch(problems, guesses, known, starts, retries, lowest, rows):
-    """Newton's method from ``known`` (n,) of ``guesses`` (n, g, 6), or `run_starts`, for each row.
+def run_batch(problems, search, rows):
+    """Search each clamping: Newton's method from its guesses, then the starts.
 
-    Where one shot from the loads ends at the clamping too, the nodes are not needed, and the
-    residual is that of the shot.
+    Results go into ``rows``. Where one shot from the loads ends at the clamping too, the nodes are
+    not needed (unless they are to be kept), and the residual is that of the shot.
     """
     for i in range(problems.positions.shape[0]):
         position = problems.positions[i]
@@ -383,11 +391,13 @@ def run_batch(problems, guesses, known, starts, retries, lowest, rows):
             problems.tolerance,
         )
         loads = rows.loads[i]
-        # no stored rod is that nearly straight
-        near = known[i] if problem.shortening > _STRAIGHTISH else 0
-        for j in range(near):
-            copy(guesses[i, j], loads)
-            status, residual, _, end = newton(problem, loads, _HASTE)
+        known = search.known[i]
+        if search.sparing and not problem.shortening > _STRAIGHTISH:
+            # no stored rod is that nearly straight
+            known = 0
+        for j in range(known):
+            copy(search.guesses[i, j], loads)
+            status, residual, _, end = newton(problem, loads, search.patience)
             if status == CONVERGED:
                 rows.energy[i] = elastic_energy(loads, end, problem.torsion_ratio)
                 rows.residual[i], rows.method[i], rows.shot[i] = residual, SHOOTING, True
@@ -395,12 +405,12 @@ def run_batch(problems, guesses, known, starts, retries, lowest, rows):
         if rows.method[i] != NONE:
             continue
         nodes = Nodes(rows.node_s[i], rows.node_pose[i])
-        solution = Solution(loads, nodes, rows.layers[i : i + 1])
-        outcome = run_starts(problem, starts, retries, lowest, solution)
+        outcome = _run_starts(problem, search, Solution(loads, nodes, rows.layers[i : i + 1]))
         rows.method[i], rows.energy[i] = outcome.method, outcome.energy
         rows.residual[i], rows.segments[i] = outcome.residual, outcome.segments
-        residual = outcome.residual
-        if outcome.method != DISCRETE_ROD_SHOOTING:
+        if outcome.method == DISCRETE_ROD_SHOOTING:
+            rows.shot[i] = True
+        elif outcome.method != NONE and not search.keep_nodes:
             residual = shot_error(problem, loads)
-        if residual < problem.tolerance:
-            rows.residual[i], rows.segments[i], rows.shot[i] = residual, 0, True
+            if residual < problem.tolerance:
+                rows.residual[i], rows.segments[i], rows.shot[i] = residual, 0, True

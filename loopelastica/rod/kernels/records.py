@@ -151,9 +151,3 @@ class Solution(NamedTuple):
     nodes: Nodes
     layers: Any
     """(1,) of `LAYERS`."""
-
-
-def new_solution() -> Solution:
-    """Room for a solution of up to `SEGMENTS` segments."""
-    nodes = Nodes(np.empty(SEGMENTS + 1), np.empty((SEGMENTS + 1, 7)))
-    return Solution(np.zeros(6), nodes, np.zeros(1, LAYERS))

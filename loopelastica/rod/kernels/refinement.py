@@ -10,7 +10,7 @@ import numpy as np
 
 from loopelastica.rod.kernels.boundary_layers import end_turn, layers_newton
 from loopelastica.rod.kernels.discrete_starts import graded_nodes, hinge_poses
-from loopelastica.rod.kernels.jit import driver, kernel
+from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.layer_poses import (
     check_layers,
     layers_apart,
@@ -40,7 +40,7 @@ _DIRECTIONS = 12
 _LOOSE, _STEPS, _SAME = 6.0, 4, 0.1
 
 
-@driver
+@kernel
 def accept_layers(problem, layers, loads):
     """(residual, energy) of two boundary layers as they are, and their ``loads`` (6,)."""
     if not layers_apart(layers):
@@ -54,7 +54,7 @@ def accept_layers(problem, layers, loads):
     return residual, layers_energy(layers, problem.torsion_ratio)
 
 
-@driver
+@kernel
 def accept_nodes(problem, nodes, loads):
     """(residual, energy) of refined nodes; ``loads`` go in as the guess and out as F, M0.
 
@@ -112,7 +112,7 @@ def near_one_line(problem):
     return math.sqrt(tx * tx + ty * ty) < 0.01 and across <= 0.01 * size + 1e-4
 
 
-@driver
+@kernel
 def with_end(problem, quaternion, torsion_ratio):
     """The problem with another end frame and torsion ratio."""
     end = np.empty(4)
@@ -127,7 +127,7 @@ def with_end(problem, quaternion, torsion_ratio):
     )
 
 
-@driver
+@kernel
 def _refine_layers(problem, solution):
     """(residual, energy, segments) of nodes at the poses of layers that reach each other."""
     layers, loads = solution.layers[0], solution.loads
@@ -154,7 +154,7 @@ def _refine_layers(problem, solution):
     return residual, energy, m
 
 
-@driver
+@kernel
 def settle_layers(problem, solution):
     """The layers themselves, or refined where they reach each other: (residual, energy, segments).
 
@@ -210,7 +210,7 @@ def layers_from_loads(problem, loads, layers):
     return layers_newton(problem, problem.torsion_ratio, x, q0, reference, layers)
 
 
-@driver
+@kernel
 def refine_discrete_rod(problem, minimized_ratio, minimized, rod, load, solution):
     """From a discrete ``rod`` and its ``load`` (6,) to a solution, as an `Outcome`.
 

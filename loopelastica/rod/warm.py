@@ -1,0 +1,102 @@
+"""Compile now what would be compiled at first use: ``python -m loopelastica.rod.warm``.
+
+Small problems are solved that come to every kernel; a test sees to it that none is left out. They
+need NumPy and numba alone, so that this runs where the package is built.
+"""
+
+import gc
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from loopelastica.rod.clamping import Clamping
+from loopelastica.rod.continuation import continue_clamping, twist_end
+from loopelastica.rod.kernels.jit import portable_environment, shipped_folder, user_folder
+from loopelastica.rod.solve import solve
+from loopelastica.rod.stability import assess, conjugate_points
+
+# a slack rod, one in boundary layers, one whose layers reach each other, and one in line
+_SLACK = (-0.4, -0.1, 0.5, 4.8, 1.4, 2.2)
+_TENSE = (0.2, 0.1, 0.97, 0.3, 0.8, 0.4)
+_TOUCHING = (0.1, 0.1, 0.9, 0.3, 0.8, 0.4)
+_IN_LINE = (0.0, 0.0, 0.8, 0.0, 0.0, 1.0)
+
+
+def compile_solver() -> None:
+    """Compile what `solve`, `solve_batch`, `equilibria` and the folding of loops need."""
+    for parameters in (_SLACK, _TENSE, _TOUCHING, _IN_LINE):
+        for free_spin in (False, True):
+            clamping = Clamping.from_parameters(parameters, free_spin)
+            rod = solve(clamping)
+            assess(rod)
+            conjugate_points(rod)
+            rod.centerline(3)
+
+
+def compile_paths() -> None:
+    """Compile what continuation, the closed form and the writhe need."""
+    rod = solve(Clamping.from_parameters(_SLACK))
+    twist_end(rod, 0.1)
+    continue_clamping(rod, Clamping.from_parameters((-0.4, -0.1, 0.52, 4.8, 1.4, 2.2)))
+    free = solve(Clamping.from_parameters(_SLACK, free_spin=True))
+    continue_clamping(free, Clamping.from_parameters(_TOUCHING, free_spin=True))
+    tense = solve(Clamping.from_parameters(_TENSE))
+    continue_clamping(tense, Clamping.from_parameters((0.2, 0.1, 0.9747, 0.3, 0.8, 0.4)))
+    assert rod.physical is not None
+    rod.physical.clamping()
+    rod.physical.loads()
+    assert rod.net_winding != rod.periods
+
+
+def warm(solver_only: bool = False) -> Path:
+    """Compile in a process of its own, for any processor of this architecture.
+
+    Parameters
+    ----------
+    solver_only : bool
+        Leave out what only paths, the closed form and the writhe need.
+
+    Returns
+    -------
+    Path
+        The folder of compiled code: inside the package if that can be written, where every user of
+        the installation finds it; else the user's own.
+
+    Raises
+    ------
+    OSError
+        If neither can be written.
+    RuntimeError
+        If compiling fails; the message is the end of what numba said.
+    """
+    folder = _target()
+    environment = {**os.environ, **portable_environment(), "LOOPELASTICA_CACHE": str(folder)}
+    command = [sys.executable, "-m", __name__, *(["--solver-only"] if solver_only else [])]
+    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    if run.returncode:
+        raise RuntimeError(f"compiling failed: {run.stderr.strip()[-500:]}")
+    return folder
+
+
+def _target() -> Path:
+    chosen = os.environ.get("LOOPELASTICA_CACHE")
+    for folder in (user_folder(),) if chosen else (shipped_folder(), user_folder()):
+        if folder is None:
+            continue
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                return folder
+        except OSError:
+            continue
+    raise OSError("no folder for compiled code can be written")
+
+
+if __name__ == "__main__":
+    # numba makes much garbage that is in no circle: collecting it takes a tenth of the time
+    gc.disable()
+    compile_solver()
+    if "--solver-only" not in sys.argv[1:]:
+        compile_paths()
