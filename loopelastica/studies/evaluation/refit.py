@@ -66,7 +66,21 @@ def refitted_A(rows: list[dict[str, Any]]) -> dict[str, Array]:
 def interval(
     difference_A: Array, families: list[str], seed: int = 20181115
 ) -> tuple[float, float, float]:
-    """Mean over families of a paired difference, and the 95 % bootstrap interval over families."""
+    """Mean of a paired difference over families, and its 95 % bootstrap interval.
+
+    Parameters
+    ----------
+    difference_A : (n,) ndarray
+        Of each loop, Å.
+    families : list of str
+        The family of each loop; families are drawn, not loops.
+    seed : int
+
+    Returns
+    -------
+    mean, low, high : float
+        Å.
+    """
     names = sorted(set(families))
     of = np.array(families)
     means = np.array([difference_A[of == name].mean() for name in names])
