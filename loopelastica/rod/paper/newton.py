@@ -4,7 +4,7 @@ Ameline et al., J. Comput. Phys. 373 (2018) 736, DOI 10.1016/j.jcp.2018.07.021, 
 
 Algorithm 1 drives the error ε(q2(f)) to zero over the six loads f. The Jacobian is taken by
 central differences; where the algorithm does not converge it is run again from the same guess with
-Ridders' extrapolated differences (both in ``_paper_derivatives``).
+Ridders' extrapolated differences (both in ``derivatives``).
 Algorithm 2 walks back along the Newton step, τ = 0.45, until the cost ½ ε² has fallen by Armijo's
 share ω = 1e-4 of the linear prediction. Where no step of 51 is short enough the point is called
 singular, and the algorithm starts anew from a guess whose s_ini is moved by a tenth of the period
@@ -18,14 +18,16 @@ What the paper leaves open, and what is taken here:
 - each new guess of eq. 36 is tried with central differences first, then with Ridders' method;
 - a linear system that cannot be solved counts as a singular point.
 
-Legend: f loads, y pose, e error ε, j Jacobian, d Newton step, cost C, p physical parameters.
+Legend: f loads (6,), y pose (7,), e error ε (6,), j Jacobian (6, 6), d Newton step (6,), cost C,
+p physical parameters (5,).
 """
 
 import math
 
 import numpy as np
 
-from loopelastica.rod.kernels.closed_form import loads_from_physical, period
+from loopelastica.rod.kernels.closed_form import period
+from loopelastica.rod.kernels.finite_rod import loads_from_physical
 from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.shooting import POSE
 from loopelastica.rod.paper.derivatives import (
@@ -46,7 +48,10 @@ _TAU, _OMEGA = 0.45, 1e-4  # Algorithm 2, lines 2 and 3
 
 @kernel
 def eliminate(j, e, a, d):
-    """Newton step d = −J⁻¹ε by Gaussian elimination with row pivots; False if J is singular."""
+    """Newton step d = −J⁻¹ε (6,) by Gaussian elimination with row pivots; False if J is singular.
+
+    ``a`` (6, 6) is scratch.
+    """
     for i in range(6):
         d[i] = -e[i]
         for c in range(6):
@@ -76,7 +81,7 @@ def eliminate(j, e, a, d):
 
 @kernel
 def line_search(f, d, decrease, cost, target, kind, torsion_ratio, forward, y, trial, e):
-    """Algorithm 2: ``f`` moves by the first step τ^j d that fulfils Armijo's rule.
+    """Algorithm 2: ``f`` (6,) moves by the first step τ^j d that fulfils Armijo's rule.
 
     ``decrease`` is g·d, ``cost`` C at ``f``. False if no step does; ``e`` belongs to the last one.
     """
@@ -106,7 +111,7 @@ def newton(f, target, kind, torsion_ratio, forward, eps_c, ridders):
     f : (6,) array
         Guess, then result.
     target : (7,) array
-        Pose wanted.
+        Pose given.
     kind, forward
         Error and mapping q2, see ``errors``.
     torsion_ratio
@@ -150,9 +155,9 @@ def newton(f, target, kind, torsion_ratio, forward, eps_c, ridders):
 
 @kernel
 def reduced_loads(p, s_ini, torsion_ratio, f):
-    """Loads ``f`` of the rod with five physical parameters, turned to η1 ≥ 0, η2 = 0 (eq. 15–19).
+    """Loads ``f`` (6,) of a rod turned to η1 ≥ 0, η2 = 0 (eq. 15–19).
 
-    ``s_ini`` replaces that of ``p`` (eq. 36).
+    ``p`` (5,) are its physical parameters, but for ``s_ini`` in place of theirs (eq. 36).
     """
     y, q = np.empty(POSE), np.empty(5)
     physical_pose(p[0], p[1], p[2], s_ini, p[4], torsion_ratio, y)
@@ -172,7 +177,7 @@ def invert(p, target, kind, torsion_ratio, forward, eps_c, restarts, f):
     p : (5,) array
         Guess λ, t_P, a, s_ini/μ, L/μ.
     target : (7,) array
-        Pose wanted, with η2 = 0 and η1 ≥ 0.
+        Pose given, with η2 = 0 and η1 ≥ 0.
     restarts
         At most; the paper's nine.
     f : (6,) array

@@ -34,7 +34,7 @@ _MORE_DIGITS = 60
 def _closed_form(loads: Array) -> Way:
     from scipy.spatial.transform import Rotation
 
-    from loopelastica.rod.kernels.closed_form import rod_along
+    from loopelastica.rod.kernels.finite_rod import rod_along
 
     p = PhysicalParameters.from_loads(loads)
     if p is None:

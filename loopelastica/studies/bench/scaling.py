@@ -96,7 +96,7 @@ def _timed_us(call: Any, repeats: int) -> float:
 def _forward_us(rods: Sequence[PhysicalParameters]) -> tuple[float, float]:
     """Median time of the closed form and of the integrator for one end."""
     from loopelastica.rod.kernels import shooting as kernel
-    from loopelastica.rod.kernels.closed_form import rod_along
+    from loopelastica.rod.kernels.finite_rod import rod_along
 
     y, z = np.empty(kernel.WITH_JACOBIAN), np.empty(kernel.WITH_JACOBIAN)
     k, at = np.empty(12 * kernel.WITH_JACOBIAN), np.ones(1)
