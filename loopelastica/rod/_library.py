@@ -8,9 +8,9 @@ so poses are compared in the turned frame where η2 = 0 and η1 ≥ 0. There a p
 R the end frame, d3 its tangent; w balances lengths against angles. Euler angles would tear
 neighbours apart at their seams. A KD-tree returns the nearest rods, whose loads are turned back by
 the target's own angle. Other torsion ratios only spin the end frames (K30 never changes the
-center line of given loads), so each ratio has its own tree, built when it is first asked for.
+center line of given loads), so each ratio has its own tree, built when it is first needed.
 
-The file ships in single precision, being guesses; ``data/make_rods.py`` computes it anew and tells
+The file ships in single precision, being guesses; ``data/make_rods.py`` computes it anew and says
 which rods it holds.
 """
 

@@ -147,7 +147,7 @@ def polar_writhe(points: ArrayLike, tangents: ArrayLike, direction: ArrayLike) -
     pole = np.array([[0.0, 0.0, 1.0]])
     polar, north = polygon.local_polar_writhe(np.ascontiguousarray(edges / lengths[:, None]))
     _, smooth_north = polygon.local_polar_writhe(np.ascontiguousarray(np.vstack([pole, t, pole])))
-    # areas on the sphere are known modulo 4π
+    # areas on the sphere are determined modulo 4π
     change = math.remainder(smooth_north - north, 4.0 * math.pi)
     return float((polar + change + polygon.nonlocal_polar_writhe(r)) / (2.0 * math.pi))
 
@@ -194,7 +194,7 @@ def net_winding(
         Frames at these points, columns d1, d2, d3. Only those at the two ends enter the fractional
         part of the result; the others choose the integer.
     turns : float, optional
-        The rod's twist in turns where it is known, M3 L/(2π K3); else :func:`twist` of `frames`.
+        The rod's twist in turns where it is given, M3 L/(2π K3); else :func:`twist` of `frames`.
     direction : (3,) array_like, optional
         Normal of the two planes; by default the direction between the end tangents. The module's
         head says how the rod is continued to the planes.

@@ -14,8 +14,8 @@ of Gauss and Landen (Abramowitz & Stegun, Handbook of Mathematical Functions, 16
 two changes that keep them accurate near m = 1, where they lose half of the digits as they are
 usually written:
 
-- every function takes both m and its complement ``m1 = 1 − m``; the caller who knows the
-  complement better than ``1 - m`` can form it (1e-16 with all its digits) passes it on;
+- every function takes both m and its complement ``m1 = 1 − m``; a caller that has the
+  complement with more digits than ``1 - m`` keeps (1e-16 with all of them) passes it on;
 - the arc sine of the descending step is taken as an arc tangent, with
   ``1 − (c/a)² sin²φ = cos²φ + (b/a)² sin²φ`` in place of a difference.
 
@@ -150,7 +150,7 @@ def incomplete(sine, cosine, m, m1):
         step = math.atan2(across, along)
         # the branch of the arc tangent that is continuous in φ
         phi += step + 2.0 * math.pi * round((phi - step) / (2.0 * math.pi))
-        # sine and cosine by addition: near π/2 the angle no longer knows its cosine
+        # sine and cosine by addition: near π/2 the angle has lost the digits of its cosine
         size = math.hypot(across, along)
         sine, cosine = (
             (sine * along + cosine * across) / size,
@@ -200,7 +200,7 @@ def theta_phase(x, b, K, Kc, shifted):
         sine = math.sin(phase)
         return real * cosine - imaginary * sine, real * sine + imaginary * cosine
     # Imaginary transformation: θ4(v|τ) ~ exp(v²/(iπτ)) θ2(v/τ|−1/τ), θ3 ~ θ3; the phase of the
-    # Gaussian is the exponential asked for, its modulus a positive factor.
+    # Gaussian is the exponential factor, its modulus a positive factor.
     beta = 0.5 * math.pi * b / Kc
     xi = 0.5 * math.pi * abs(x) / Kc
     half = math.pi * K / Kc  # q' = exp(−half)

@@ -13,7 +13,7 @@ from loopelastica.rod.kernels.jit import kernel
 
 @kernel
 def _triangle(p, q, pole):
-    """Signed area of the triangle of pole·e3 and unit vectors ``p`` and ``q`` (3,) on the sphere."""
+    """Signed area on the sphere of the triangle of pole·e3 and unit vectors ``p``, ``q`` (3,)."""
     volume = p[0] * q[1] - p[1] * q[0]
     cosine = p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
     return 2.0 * math.atan2(pole * volume, 1.0 + pole * (p[2] + q[2]) + cosine)

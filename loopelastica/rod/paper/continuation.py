@@ -40,7 +40,7 @@ class Continuation:
     loads : (n, 6) ndarray
         F and M at S = 0 in the start frame, in K0/L² and K0/L.
     converged : bool
-        Whether the last angle is the one asked for.
+        Whether the last angle is the one requested.
     """
 
     angles: Array

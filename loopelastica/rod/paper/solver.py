@@ -94,10 +94,10 @@ class PaperSolver:
     tolerance: float = 1e-7
 
     def __post_init__(self) -> None:
-        for name, known in (("error", ERRORS), ("scan", ERRORS), ("forward", FORWARD)):
+        for name, choices in (("error", ERRORS), ("scan", ERRORS), ("forward", FORWARD)):
             given = getattr(self, name)
-            if given not in known:
-                raise ValueError(f"`{name}` is {given!r}; it must be one of {sorted(known)}")
+            if given not in choices:
+                raise ValueError(f"`{name}` is {given!r}; it must be one of {sorted(choices)}")
         for name in ("l", "delta", "torsion_ratio", "tolerance"):
             object.__setattr__(self, name, check_positive(name, getattr(self, name)))
 
@@ -188,7 +188,7 @@ class PaperSolver:
 
         Two solutions are one if no physical parameter of p_5D differs by 0.1 or more, s_ini modulo
         the period. φ0 does not count: it follows from the others, or, where the end tangents lie
-        on one line, tells members of a circle of solutions apart that are turned about this line.
+        on one line, distinguishes members of a circle of solutions that are turned about this line.
 
         Parameters
         ----------

@@ -161,7 +161,7 @@ def _long(rng: np.random.Generator, n: int) -> Poses:
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One kind of pose: how it is drawn, how many at full size, what is asked of the solver."""
+    """One kind of pose: how it is drawn, how many at full size, what the solver should say."""
 
     name: str
     draw: Draw

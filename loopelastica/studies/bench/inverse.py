@@ -63,7 +63,7 @@ def _lowest(clamping: Clamping) -> Equilibrium | None:
 
 
 def _at_tolerance(clamping: Clamping, tolerance: float) -> Equilibrium | None:
-    """The first rod of the compiled cascade, which a user has at the standard tolerance only."""
+    """The first rod of the standard starts, which a user has at the standard tolerance only."""
     from loopelastica.rod import _starts as module
     from loopelastica.rod.kernels.multistart import run_starts
 
@@ -191,12 +191,12 @@ def measure(
     methods = _methods(rng)
     tiled = np.resize(np.arange(sample), max(_BATCH_ROWS, sample))
     batches = {
-        OURS: partial(solve_batch, positions[tiled], rotations[tiled]),
+        OURS: partial(solve_batch, positions[tiled], rotations[tiled], lowest=False),
         "ours, batch, lowest": partial(
             solve_batch, positions[tiled], rotations[tiled], lowest=True
         ),
     }
-    # compiled, and grids and stored rods loaded, before the clock starts
+    # compiled, and the grid built and the guess library loaded, before the clock starts
     for method in methods.values():
         method(clampings[0])
     for call in batches.values():

@@ -9,7 +9,7 @@ steps spent on a rod, those of failed runs included.
 The rods of a cell are taken in a random order that a seed fixes, so that any number of first ones
 is a fair sample and a longer run continues a shorter one. What has been measured is kept in
 ``partial/`` of the output folder after each chunk; an interrupted run goes on from there, and a
-sample already larger than asked for is used whole.
+sample already larger than requested is used whole.
 """
 
 import io
@@ -18,7 +18,7 @@ import os
 import time
 import zipfile
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -91,6 +91,29 @@ def _read(path: Path, label: str) -> tuple[Array, float]:
 def _write(path: Path, label: str, results: Array, seconds: float) -> None:
     with whole_file(path) as part:
         np.savez_compressed(part, label=label, results=results, seconds=seconds)
+
+
+def _tested(
+    rods: Array,
+    requested: int,
+    solver: PaperSolver,
+    path: Path,
+    label: str,
+    show: Callable[[int], object],
+) -> tuple[Array, float]:
+    """Results of the first ``requested`` rods or more, and seconds; kept in ``path`` on the way.
+
+    ``show`` is called with the number of rods done before each chunk.
+    """
+    results, seconds = _read(path, label)
+    if len(results) < requested:
+        _measure(rods[:2], solver)  # compiled, and its grid built, before the clock starts
+    for first in range(len(results), requested, _CHUNK):
+        show(first)
+        more, took = _measure(rods[first : min(first + _CHUNK, requested)], solver)
+        results, seconds = np.vstack([results, more]), seconds + took
+        _write(path, label, results, seconds)
+    return results, seconds
 
 
 def _row(cell: Cell, rods: Array, results: Array, seconds: float, guesses: int) -> Row:
@@ -264,17 +287,13 @@ def run(
         for cell in cells:
             solver = _solver(cell)
             rods = _shuffled(cell, seed)
+            requested = len(rods) if full else min(sample, len(rods))
             label = _label(cell, seed, len(rods), solver)
-            results, seconds = _read(_partial(out, cell), label)
-            wanted = len(rods) if full else min(sample, len(rods))
-            if len(results) < wanted:
-                _measure(rods[:2], solver)  # compiled, and its grid built, before the clock starts
-            while len(results) < wanted:
-                bar.set_description(f"{cell.name} {len(results):,d}/{wanted:,d}")
-                done = len(results)
-                more, took = _measure(rods[done : min(done + _CHUNK, wanted)], solver)
-                results, seconds = np.vstack([results, more]), seconds + took
-                _write(_partial(out, cell), label, results, seconds)
+
+            def show(done: int, goal: str = f"{requested:,d}, {cell.name}") -> None:
+                bar.set_description(f"{done:,d} of {goal}")
+
+            results, seconds = _tested(rods, requested, solver, _partial(out, cell), label, show)
             rows.append(_row(cell, rods, results, seconds, len(solver.grid)))
             bar.update()
     own = _own_rows(cells, full or own_full, sample, seed, progress)

@@ -70,10 +70,8 @@ def draw_sizes(rows: Sequence[Row], path: Path) -> None:
 
     Parameters
     ----------
-    rows : sequence of mapping
-        Lines of ``paper.csv`` of this figure.
-    path : Path
-        Of the PNG.
+    rows, path
+        As for `draw_steps`.
     """
     figure = new_figure(5.4, 3.6)
     axis = figure.subplots()

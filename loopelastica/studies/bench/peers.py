@@ -81,8 +81,8 @@ def random_guesses(rng: np.random.Generator, n: int) -> Array:
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-    n : int
+    rng, n
+        Generator, and how many.
 
     Returns
     -------
@@ -254,5 +254,16 @@ def from_nodes(clamping: Clamping, loads: Array, s: Array, poses: Array) -> Equi
 
 
 def from_loads(clamping: Clamping, loads: Array) -> Equilibrium:
-    """Loads (6,) alone as the package's own kind of result, to be judged; as `from_nodes`."""
+    """Loads alone as the package's own kind of result, to be judged.
+
+    Parameters
+    ----------
+    clamping : Clamping
+    loads : (6,) ndarray
+
+    Returns
+    -------
+    Equilibrium
+        Called converged, whatever it is.
+    """
     return from_nodes(clamping, loads, np.zeros(1), _START[None])

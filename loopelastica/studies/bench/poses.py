@@ -43,8 +43,8 @@ def random_loads(rng: np.random.Generator, n: int) -> Array:
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-    n : int
+    rng, n
+        As for `directions`.
 
     Returns
     -------
@@ -61,13 +61,12 @@ def load_drawn(rng: np.random.Generator, n: int) -> Poses:
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-    n : int
+    rng, n
+        As for `directions`.
 
     Returns
     -------
-    positions : (n, 3) ndarray
-    rotations : (n, 3, 3) ndarray
+    positions, rotations : (n, 3) and (n, 3, 3) ndarray
     """
     from loopelastica.rod.kernels.shooting import ends
 
@@ -80,8 +79,8 @@ def shell(rng: np.random.Generator, n: int, low: float, high: float) -> Poses:
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-    n : int
+    rng, n
+        As for `directions`.
     low, high : float
         Bounds of |η|.
 
@@ -99,8 +98,8 @@ def random_rotations(rng: np.random.Generator, n: int) -> Array:
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-    n : int
+    rng, n
+        As for `directions`.
 
     Returns
     -------
@@ -159,8 +158,8 @@ def of_length(
 
     Parameters
     ----------
-    rng : numpy.random.Generator
-    n : int
+    rng, n
+        As for `directions`.
     shortest, longest : float
         Bounds of L/μ.
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from loopelastica.errors import MissingDependencyError
 
 DIGITS = 50
-# beyond the digits asked for: some hundred steps, each with errors that the rod magnifies
+# beyond the digits requested: some hundred steps, each with errors that the rod magnifies
 _GUARD = 15
 
 

@@ -40,10 +40,8 @@ def arc(ends: StemEnds, s: Array) -> Array:
 
     Parameters
     ----------
-    ends : StemEnds
-        Positions and tangents of the ends, and the length, Å.
-    s : (n,) ndarray
-        Fractions of the arc length, in [0, 1].
+    ends, s
+        As for `chord`.
 
     Returns
     -------
@@ -68,10 +66,8 @@ def hermite(ends: StemEnds, s: Array) -> Array:
 
     Parameters
     ----------
-    ends : StemEnds
-        Positions and tangents of the ends, and the length, Å.
-    s : (n,) ndarray
-        Fractions of the arc length, in [0, 1].
+    ends, s
+        As for `chord`.
 
     Returns
     -------

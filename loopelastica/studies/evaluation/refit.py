@@ -55,10 +55,10 @@ def refitted_A(rows: list[dict[str, Any]]) -> dict[str, Array]:
             best_taper = int(sums.min(axis=2).sum(axis=0).argmin())
             entries = sums[:, best_taper].argmin(axis=1)
             # a length that no other family has keeps the rule's entry
-            known = np.bincount(classes[train], minlength=len(LENGTHS)) > 0
+            elsewhere = np.bincount(classes[train], minlength=len(LENGTHS)) > 0
             for i in np.flatnonzero(out & (kinds == kind)):
                 taper_alone[i] = grid[i, taper, of_rule[i]]
-                entry = entries[classes[i]] if known[classes[i]] else of_rule[i]
+                entry = entries[classes[i]] if elsewhere[classes[i]] else of_rule[i]
                 everything[i] = grid[i, best_taper, entry]
     return {"taper": taper_alone, "all": everything}
 

@@ -153,11 +153,11 @@ def scoreboard(rows: list[dict[str, Any]], failures: tuple[str, ...] = ()) -> st
 
 
 def _median_90(values: list[float | None]) -> str:
-    known = [v for v in values if v is not None]
-    if not known:
+    present = [v for v in values if v is not None]
+    if not present:
         return "–"
-    of = "" if len(known) == len(values) else f" ({len(known)})"
-    return f"{np.median(known):.2f} / {np.percentile(known, 90):.2f}{of}"
+    of = "" if len(present) == len(values) else f" ({len(present)})"
+    return f"{np.median(present):.2f} / {np.percentile(present, 90):.2f}{of}"
 
 
 def _defeats(table: dict[str, list[dict[str, Any]]]) -> list[str]:
