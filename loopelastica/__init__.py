@@ -11,7 +11,7 @@ __version__ = "0.1.0"
 _PUBLIC = {
     "Clamping": "rod.clamping",
     "Equilibrium": "rod.equilibrium",
-    "Status": "rod.equilibrium",
+    "Status": "rod.kernels.records",
     "Equilibria": "rod.equilibria",
     "equilibria": "rod.equilibria",
     "PhysicalParameters": "rod.parameters",
@@ -63,7 +63,7 @@ if TYPE_CHECKING:
     from loopelastica.rod.equilibria import Equilibria as Equilibria
     from loopelastica.rod.equilibria import equilibria as equilibria
     from loopelastica.rod.equilibrium import Equilibrium as Equilibrium
-    from loopelastica.rod.equilibrium import Status as Status
+    from loopelastica.rod.kernels.records import Status as Status
     from loopelastica.rod.parameters import PhysicalParameters as PhysicalParameters
     from loopelastica.rod.solve import solve as solve
 

@@ -1,6 +1,6 @@
 """Points of a branch of equilibria along a moving clamp, and the way from one to the next.
 
-``continuation`` walks with them; the compiled correction is in ``arclength``.
+``continuation`` follows a branch with them; the compiled correction is in ``arclength``.
 """
 
 import math
@@ -10,10 +10,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.rod._starts import TOLERANCE, quaternion
+from loopelastica.rod._starts import TOLERANCE, problem_of, quaternion
 from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.equilibrium import METHODS, Equilibrium, Status
-from loopelastica.rod.kernels.arclength import corrected_step, moving_clamp
+from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.kernels.arclength import Condition, Motion, corrected_step, moving_clamp
+from loopelastica.rod.kernels.discrete_starts import graded_nodes
+from loopelastica.rod.kernels.records import LAYERS, Method, Nodes, Status
+from loopelastica.rod.kernels.refinement import (
+    accept_layers,
+    layers_from_loads,
+    turn_about_start,
+)
+from loopelastica.rod.kernels.rotations import matrix_from_quaternion, rotation_vector
+from loopelastica.rod.kernels.shooting import sample
 
 # Newton steps of an accepted step
 _ITERATIONS = 8
@@ -25,7 +34,7 @@ _REFINEMENTS = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Road:
+class ClampPath:
     """The moving clamp: p + t v, R exp(t [ω])."""
 
     start: Clamping
@@ -35,13 +44,19 @@ class Road:
     unit: float
     """Parameter shown to the user per t."""
 
-    def clamping(self, t: float) -> Clamping:
-        from loopelastica.rod.kernels.rotations import matrix_from_quaternion
-
-        q, p = np.empty(4), np.empty(3)
-        moving_clamp(
-            self.start.position, quaternion(self.start), self.shift, self.axis, t, q, p
+    @property
+    def motion(self) -> Motion:
+        """The moving clamp in compiled code's terms."""
+        start = self.start
+        return Motion(
+            start.position.copy(), quaternion(start), self.shift, self.axis,
+            self.torsion_ratio, start.free_spin,
         )  # fmt: skip
+
+    def clamping(self, t: float) -> Clamping:
+        """The clamping at ``t``."""
+        q, p = np.empty(4), np.empty(3)
+        moving_clamp(self.motion, t, q, p)
         return Clamping(p, matrix_from_quaternion(q), self.start.free_spin)
 
     def scale(self, values: Array) -> Array:
@@ -52,7 +67,7 @@ class Road:
         return np.array([force] * 3 + [moment] * 2 + [turn, self.reach])
 
     @property
-    def in_line(self) -> bool:
+    def on_one_line(self) -> bool:
         """Whether both ends lie on one line all the way, and the rod may turn about it."""
         across = max(np.abs(self.axis[:2]).max(), np.abs(self.shift[:2]).max())
         return self.start.on_one_line and bool(across < 1e-9)
@@ -80,12 +95,10 @@ class Point:
         return float(self.values[6])
 
 
-def first_point(road: Road, rod: Equilibrium, t: float = 0.0) -> Point | None:
+def first_point(path: ClampPath, rod: Equilibrium, t: float = 0.0) -> Point | None:
     """The point of a rod, the tangent towards growing t."""
     values = np.append(rod.loads, t)
-    if road.start.free_spin:
-        from loopelastica.rod.kernels.rotations import rotation_vector
-
+    if path.start.free_spin:
         end = rod.poses_without_spin(np.ones(1))[0, 3:]
         turn = rotation_vector(end, quaternion(rod.clamping))
         values[5] = float(np.dot(turn, rod.clamping.rotation[:, 2]))
@@ -94,143 +107,135 @@ def first_point(road: Road, rod: Equilibrium, t: float = 0.0) -> Point | None:
         return None
     tangent = np.append(np.zeros(6), 1.0)
     point = Point(values, node_s, rod.poses_without_spin(node_s), tangent)
-    return point_at(road, point, t)
+    return point_at(path, point, t)
 
 
-def turned_downhill(road: Road, rod: Equilibrium) -> Equilibrium:
+def turned_downhill(path: ClampPath, rod: Equilibrium) -> Equilibrium:
     """The rod turned about the line of its ends to where their motion costs least.
 
     Of the circle of rods only few follow when the ends leave the line: those for which
     dE/dt = F·v + M(L)·ω is stationary under the turn. The other is the maximum.
     """
-    from loopelastica.rod.kernels.multistart import _turn_about_start
-
     force, moment = rod.loads[:3], rod.moment(2)[1]
-    turning = rod.clamping.rotation @ road.axis
-    cosine = force[:2] @ road.shift[:2] + moment[:2] @ turning[:2]
-    sine = force[0] * road.shift[1] - force[1] * road.shift[0]
+    turning = rod.clamping.rotation @ path.axis
+    cosine = force[:2] @ path.shift[:2] + moment[:2] @ turning[:2]
+    sine = force[0] * path.shift[1] - force[1] * path.shift[0]
     sine += moment[0] * turning[1] - moment[1] * turning[0]
     if math.hypot(cosine, sine) < 1e-9:
         return rod
     node_s, loads = np.linspace(0.0, 1.0, 33), rod.loads.copy()
     node_pose = rod.poses_without_spin(node_s)
-    _turn_about_start(node_pose, loads, math.atan2(-sine, -cosine))
+    turn_about_start(node_pose, loads, math.atan2(-sine, -cosine))
     return replace(rod, loads=loads, node_s=node_s, node_pose=node_pose)
 
 
-def by_tails(road: Road, rod: Equilibrium, t: float) -> Equilibrium | None:
-    """The rod of two tails at ``t`` next to another rod; None if there is none."""
-    from loopelastica.rod.kernels.boundary_layers import SIZE
-    from loopelastica.rod.kernels.multistart import _accept_tails, _tails_from_loads
-
-    clamping, ratio = road.clamping(t), road.torsion_ratio
-    position, q, free = clamping.position, quaternion(clamping), clamping.free_spin
-    squares = float(position @ position)
-    if squares >= 1.0:
+def by_layers(path: ClampPath, rod: Equilibrium, t: float) -> Equilibrium | None:
+    """The rod of two boundary layers at ``t`` next to another rod; None if there is none."""
+    clamping, ratio = path.clamping(t), path.torsion_ratio
+    if np.linalg.norm(clamping.position) >= 1.0:
         return None
-    gap = (1.0 - squares) / (1.0 + math.sqrt(squares))
-    tail, loads = np.zeros(SIZE), rod.loads.copy()
-    if not _tails_from_loads(loads, position, q, gap, ratio, free, tail):
+    problem = problem_of(clamping, ratio)
+    layers, loads = np.zeros(1, LAYERS), rod.loads.copy()
+    if not layers_from_loads(problem, loads, layers[0]):
         return None
-    residual, energy = _accept_tails(tail, q, ratio, free, TOLERANCE, loads)
+    residual, energy = accept_layers(problem, layers[0], loads)
     near = abs(energy - rod.energy) < 0.5 * rod.energy + 5.0
     # another turn would change M3 by 2π K30
     if not (residual < TOLERANCE and near and abs(loads[5] - rod.loads[5]) < 3.0 * ratio):
         return None
     return Equilibrium(
-        clamping, ratio, loads, float(energy), float(residual), Status.CONVERGED, METHODS[2],
-        tail=tail,
+        clamping, ratio, loads, float(energy), float(residual), Status.CONVERGED,
+        Method.CONTINUATION, layers=layers,
     )  # fmt: skip
 
 
 def root_of_force(values: Array) -> float:
+    """√F."""
     return math.sqrt(float(np.linalg.norm(values[:3])))
 
 
 def mesh(values: Array) -> Array | None:
     """Arc lengths of as many nodes as the force needs; None if it is too stiff."""
-    from loopelastica.rod.kernels.minimization import graded_nodes
-
     root = root_of_force(values)
     for most, segments in SEGMENTS:
         if root < most:
             node_s = np.empty(segments + 1)
-            graded_nodes(segments, most, node_s)
+            graded_nodes(most, node_s)
             return node_s
     return None
 
 
-def remeshed(road: Road, point: Point) -> Point | None:
+def remeshed(path: ClampPath, point: Point) -> Point | None:
     """The point on as many nodes as its force needs; None if it is too stiff."""
     node_s = mesh(point.values)
     if node_s is None or len(node_s) == len(point.node_s):
         return None if node_s is None else point
-    from loopelastica.rod.kernels.shooting import sample
-
     loads = point.values[:6].copy()
-    if road.start.free_spin:
+    if path.start.free_spin:
         loads[5] = 0.0
     node_pose = sample(loads, 1.0, point.node_s, point.node_pose, node_s, 4.0)
     return replace(point, node_s=node_s, node_pose=node_pose)
 
 
-def _corrected(road: Road, point: Point, row: Array, ds: float, phase: bool) -> Point | None:
-    scale = road.scale(point.values)
+def _corrected(
+    path: ClampPath, point: Point, row: Array, ds: float, on_one_line: bool
+) -> Point | None:
+    scale = path.scale(point.values)
     values, node_pose, direction = point.values.copy(), point.node_pose.copy(), np.empty(7)
     residual, energy, iterations = corrected_step(
-        road.start.position, quaternion(road.start), road.shift, road.axis, road.torsion_ratio,
-        road.start.free_spin, point.node_s, node_pose, values, scale, row, ds, _ITERATIONS,
-        phase, direction,
+        path.motion, Nodes(point.node_s, node_pose), values,
+        Condition(scale, row, float(ds), on_one_line), _ITERATIONS, direction,
     )  # fmt: skip
     if not residual < TOLERANCE:
         return None
     return Point(values, point.node_s, node_pose, direction * scale, residual, energy, iterations)
 
 
-def step_along(road: Road, point: Point, ds: float) -> Point | None:
+def step_along(path: ClampPath, point: Point, ds: float) -> Point | None:
     """The next point at the distance ``ds`` along the tangent; None if it is not accepted."""
-    row = point.tangent / road.scale(point.values)
+    row = point.tangent / path.scale(point.values)
     row /= np.linalg.norm(row)
-    following = _corrected(road, point, row, ds, road.in_line)
-    if following is None or agreement(road, point, following) < AGREE:
+    following = _corrected(path, point, row, ds, path.on_one_line)
+    if following is None or agreement(path, point, following) < AGREE:
         return None
     return following
 
 
-def point_at(road: Road, point: Point, t: float) -> Point | None:
+def point_at(path: ClampPath, point: Point, t: float) -> Point | None:
     """The point at ``t``, by Newton's method from another one."""
     row = np.append(np.zeros(6), 1.0)
-    ds = (t - point.t) / float(road.scale(point.values)[6])
-    found = _corrected(road, point, row, ds, road.clamping(t).on_one_line)
-    if found is None or point.residual == math.inf or agreement(road, point, found) > 0.0:
+    ds = (t - point.t) / float(path.scale(point.values)[6])
+    found = _corrected(path, point, row, ds, path.clamping(t).on_one_line)
+    if found is None or point.residual == math.inf or agreement(path, point, found) > 0.0:
         return found
     # the kernel orients the tangent by the row
     return replace(found, tangent=-found.tangent)
 
 
-def agreement(road: Road, point: Point, other: Point) -> float:
+def agreement(path: ClampPath, point: Point, other: Point) -> float:
     """Cosine between two tangents."""
-    scale = road.scale(point.values)
+    scale = path.scale(point.values)
     a, b = point.tangent / scale, other.tangent / scale
     return float(a @ b / (np.linalg.norm(a) * np.linalg.norm(b)))
 
 
-def apart(road: Road, point: Point, other: Point) -> float:
-    return float(np.linalg.norm((point.values - other.values) / road.scale(point.values)))
+def distance(path: ClampPath, point: Point, other: Point) -> float:
+    """Distance of two points in units of the path's scale."""
+    return float(np.linalg.norm((point.values - other.values) / path.scale(point.values)))
 
 
-def landed(road: Road, before: Point, after: Point, ds: float, t: float) -> Point | None:
+def point_within(path: ClampPath, before: Point, after: Point, ds: float, t: float) -> Point | None:
     """The point at ``t`` within a step across it."""
     share = (t - before.t) / (after.t - before.t) if after.t != before.t else 1.0
-    for start in (step_along(road, before, share * ds), after, before):
-        point = None if start is None else point_at(road, start, t)
-        if point is not None and apart(road, before, point) < 1.5 * ds:
+    for start in (step_along(path, before, share * ds), after, before):
+        point = None if start is None else point_at(path, start, t)
+        if point is not None and distance(path, before, point) < 1.5 * ds:
             return point
     return None
 
 
-def where(
-    road: Road, before: Point, after: Point, ds: float, measure: Callable[[Point], float]
+def parameter_where(
+    path: ClampPath, before: Point, after: Point, ds: float, measure: Callable[[Point], float]
 ) -> float:
     """The t within a step at which ``measure`` changes its sign.
 
@@ -245,7 +250,7 @@ def where(
             share = 0.5 * (low + high)
         else:
             share = (low * at_high - high * at_low) / (at_high - at_low)
-        point = step_along(road, before, share * ds)
+        point = step_along(path, before, share * ds)
         if point is None:
             break
         t, value = point.t, measure(point)
@@ -258,13 +263,13 @@ def where(
     return t
 
 
-def equilibrium_of(road: Road, point: Point) -> Equilibrium:
-    """The rod of a point."""
-    clamping = road.clamping(point.t)
+def equilibrium_of(path: ClampPath, point: Point) -> Equilibrium:
+    """The equilibrium of a point."""
+    clamping = path.clamping(point.t)
     loads = point.values[:6].copy()
-    if road.start.free_spin:
+    if path.start.free_spin:
         loads[5] = 0.0
     return Equilibrium(
-        clamping, road.torsion_ratio, loads, point.energy, point.residual, Status.CONVERGED,
-        METHODS[3], point.node_s, point.node_pose,
+        clamping, path.torsion_ratio, loads, point.energy, point.residual, Status.CONVERGED,
+        Method.CONTINUATION, point.node_s, point.node_pose,
     )  # fmt: skip

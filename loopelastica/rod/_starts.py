@@ -5,29 +5,84 @@ boundary layer on one side or the other. They go through closed-form boundary la
 shooting and the discrete rod.
 """
 
+import math
+import time
+
 import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.equilibrium import METHODS, Equilibrium, Status
-
-# largest end error (position, rotation vector) of a converged solution on the check mesh
-TOLERANCE = 1e-9
-
-# turns, sides (start, end) and kick of the standard starts. Without the sides and the kicks the
-# lowest rod of about one random pose in a thousand is missed
-_PLAIN = tuple((n, *sides, 0.0) for n in (0, 1, -1) for sides in ((0, 0), (1, 0), (0, 1)))
-_LOWEST = (*_PLAIN, (0, 0, 0, 0.5), (1, 1, 0, 0.5), (-1, 1, 0, 0.5))
-# twist costs next to nothing: more turns are worth a look
-_SOFT = (*_LOWEST, (2, 0, 0, 0.0), (-2, 0, 0, 0.0), (3, 0, 0, 0.0), (-3, 0, 0, 0.0))
-_FREE = (
-    *((0, *sides, 0.0) for sides in ((0, 0), (1, 0), (0, 1), (1, 1))),
-    *((0, 0, 0, 0.5), (0, 0, 0, 1.5), (0, 1, 1, 0.8)),
+from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.kernels.multistart import RETRIES, run_start, run_starts, shortening_of
+from loopelastica.rod.kernels.newton import elastic_energy, newton
+from loopelastica.rod.kernels.records import (
+    LAYERS,
+    Method,
+    Outcome,
+    Problem,
+    Solution,
+    Start,
+    Status,
+    new_solution,
+    starts_array,
 )
+from loopelastica.rod.kernels.rotations import quaternion_from_matrix
+
+# largest end error (position, rotation vector) of a converged solution on the check mesh, and
+# what can be asked for: below, rounding decides; above, a residual means little
+TOLERANCE = 1e-9
+_TOLERANCES = 1e-11, 1e-3
+
+# without the sides and the bows the lowest rod of about one random pose in a thousand is missed
+_SIDES = ((False, False), (True, False), (False, True))
+_PLAIN = tuple(Start(n, over_0=a, over_1=b) for n in (0.0, 1.0, -1.0) for a, b in _SIDES)
+_LOWEST = (
+    *_PLAIN,
+    Start(bow=0.5),
+    Start(1.0, bow=0.5, over_0=True),
+    Start(-1.0, bow=0.5, over_0=True),
+)
+# twist costs next to nothing: more turns are worth a look
+_SOFT = (*_LOWEST, *(Start(n) for n in (2.0, -2.0, 3.0, -3.0)))
 _SOFT_RATIO = 0.1
+_FREE = (
+    *(Start(over_0=a, over_1=b) for a, b in (*_SIDES, (True, True))),
+    Start(bow=0.5),
+    Start(bow=1.5),
+    Start(bow=0.8, over_0=True, over_1=True),
+)
+_TABLES = {
+    name: starts_array(table)
+    for name, table in (("free", _FREE), ("soft", _SOFT), ("lowest", _LOWEST))
+}
 
 # |η| above this is the straight rod or out of reach: the load of a bent one exceeds 1e17
 STRAIGHT = 1e-9
+
+
+class Deadline:
+    """A time limit on a search; None for no limit.
+
+    Parameters
+    ----------
+    limit_s : float or None
+        Seconds from now.
+
+    Raises
+    ------
+    ValueError
+        If it is not a positive number.
+    """
+
+    def __init__(self, limit_s: float | None) -> None:
+        if limit_s is not None and not (isinstance(limit_s, int | float) and limit_s > 0.0):
+            raise ValueError(f"`time_limit_s` is {limit_s!r}; it must be a positive number")
+        self._end = math.inf if limit_s is None else time.monotonic() + limit_s
+
+    @property
+    def passed(self) -> bool:
+        """Whether the time is over."""
+        return time.monotonic() >= self._end
 
 
 def check_torsion_ratio(torsion_ratio: float) -> float:
@@ -35,6 +90,15 @@ def check_torsion_ratio(torsion_ratio: float) -> float:
     value = float(torsion_ratio)
     if not (np.isfinite(value) and value > 0):
         raise ValueError(f"`torsion_ratio` is {torsion_ratio}; it must be positive and finite")
+    return value
+
+
+def check_tolerance(tolerance: float) -> float:
+    """The largest residual of a solution as a float; ValueError unless it is a sensible one."""
+    value = float(tolerance)
+    least, most = _TOLERANCES
+    if not least <= value <= most:
+        raise ValueError(f"`tolerance` is {tolerance}; it must be between {least:g} and {most:g}")
     return value
 
 
@@ -70,62 +134,102 @@ def straight(clamping: Clamping, torsion_ratio: float) -> Equilibrium | None:
         0.5 * moment * spin,
         max(float(np.abs(clamping.position - [0, 0, 1]).max()), float(tangent_miss)),
         Status.CONVERGED,
-        "straight",
+        Method.STRAIGHT,
     )
-
-
-def from_standard_starts(
-    clamping: Clamping, torsion_ratio: float, lowest: bool = False
-) -> Equilibrium:
-    """The first or the lowest equilibrium that the compiled cascade finds, for a slack clamping."""
-    from loopelastica.rod.kernels.multistart import run_starts
-
-    record = new_record()
-    outcome = run_starts(
-        clamping.position.copy(), quaternion(clamping), torsion_ratio, clamping.free_spin,
-        starts(torsion_ratio, clamping.free_spin), lowest, TOLERANCE, *record,
-    )  # fmt: skip
-    return from_record(clamping, torsion_ratio, outcome, record)
 
 
 def quaternion(clamping: Clamping) -> Array:
     """End frame as a quaternion (w, x, y, z)."""
-    from loopelastica.rod.kernels.rotations import quaternion_from_matrix
-
     q: Array = quaternion_from_matrix(clamping.rotation.copy())
     return q
 
 
-def new_record() -> tuple[Array, Array, Array, Array]:
-    """Room for what ``multistart`` writes: loads, node_s, node_pose, tail."""
-    from loopelastica.rod.kernels.boundary_layers import SIZE
-    from loopelastica.rod.kernels.multistart import NODES
+def problem_of(clamping: Clamping, torsion_ratio: float, tolerance: float = TOLERANCE) -> Problem:
+    """A clamping in compiled code's terms."""
+    position = clamping.position.copy()
+    return Problem(
+        position,
+        quaternion(clamping),
+        float(shortening_of(position)),
+        torsion_ratio,
+        clamping.free_spin,
+        tolerance,
+    )
 
-    return np.zeros(6), np.empty(NODES), np.empty((NODES, 7)), np.zeros(SIZE)
+
+def standard_starts(torsion_ratio: float, free_spin: bool) -> Array:
+    """Standard starts (n,) of `records.START`."""
+    name = "free" if free_spin else "soft" if torsion_ratio < _SOFT_RATIO else "lowest"
+    table: Array = _TABLES[name]
+    return table
 
 
-def starts(torsion_ratio: float, free_spin: bool) -> Array:
-    """Standard starts (n, 4): turns, sides of start and end, kick."""
-    chosen = _FREE if free_spin else _SOFT if torsion_ratio < _SOFT_RATIO else _LOWEST
-    return np.array(chosen, dtype=np.float64)
-
-
-def from_record(
+def from_standard_starts(
     clamping: Clamping,
     torsion_ratio: float,
-    outcome: tuple[int, float, float, int],
-    record: tuple[Array, Array, Array, Array],
+    lowest: bool = False,
+    tolerance: float = TOLERANCE,
 ) -> Equilibrium:
-    """The equilibrium of an outcome (method, residual, energy, segments) and its record."""
-    from loopelastica.rod.kernels.multistart import RELAXED_SHOT
+    """The first or the lowest equilibrium that the standard starts find, for a slack clamping."""
+    solution = new_solution()
+    problem = problem_of(clamping, torsion_ratio, tolerance)
+    starts = standard_starts(torsion_ratio, clamping.free_spin)
+    outcome = run_starts(problem, starts, RETRIES, lowest, solution)
+    return from_solution(clamping, torsion_ratio, outcome, solution)
 
-    method, residual, energy, segments = outcome
-    loads, node_s, node_pose, tail = record
-    status = Status.CONVERGED if method else Status.STALLED
-    known = (clamping, torsion_ratio, loads, energy, residual, status, METHODS[method])
-    if not method:
-        return Equilibrium(*known)
-    if segments:
-        return Equilibrium(*known, node_s[: segments + 1], node_pose[: segments + 1])
-    # one shot from the start: the loads tell it all
-    return Equilibrium(*known) if method == RELAXED_SHOT else Equilibrium(*known, tail=tail)
+
+def from_start(
+    clamping: Clamping, torsion_ratio: float, start: Start, tolerance: float = TOLERANCE
+) -> Equilibrium:
+    """What one start leads to."""
+    solution = new_solution()
+    problem = problem_of(clamping, torsion_ratio, tolerance)
+    outcome = run_start(problem, starts_array((start,))[0], solution)
+    return from_solution(clamping, torsion_ratio, outcome, solution)
+
+
+def from_loads(
+    clamping: Clamping,
+    torsion_ratio: float,
+    loads: Array,
+    patience: int,
+    method: Method = Method.SHOOTING,
+    tolerance: float = TOLERANCE,
+) -> Equilibrium:
+    """Newton's method from given loads (6,), in ``patience`` steps."""
+    f = np.array(loads, dtype=np.float64)
+    status, residual, _, end = newton(problem_of(clamping, torsion_ratio, tolerance), f, patience)
+    if status != Status.CONVERGED:
+        return Equilibrium(clamping, torsion_ratio, f, math.inf, math.inf, Status(status), method)
+    energy = float(elastic_energy(f, end[:3], torsion_ratio))
+    return Equilibrium(
+        clamping, torsion_ratio, f, energy, float(residual), Status.CONVERGED, method
+    )
+
+
+def from_solution(
+    clamping: Clamping, torsion_ratio: float, outcome: Outcome, solution: Solution
+) -> Equilibrium:
+    """The equilibrium of an outcome and its record."""
+    method = Method(outcome.method)
+    status = Status.STALLED if method == Method.NONE else Status.CONVERGED
+    m = outcome.segments + 1 if outcome.segments else 0
+    nodes, layers = solution.nodes, np.zeros(0, LAYERS)
+    known = (
+        clamping,
+        torsion_ratio,
+        solution.loads,
+        float(outcome.energy),
+        float(outcome.residual),
+        status,
+        method,
+    )
+    if m:
+        return Equilibrium(*known, nodes.s[:m], nodes.pose[:m])
+    if method in LAYERED:
+        layers = solution.layers
+    return Equilibrium(*known, layers=layers)
+
+
+# methods whose result, without nodes, is two boundary layers; other ones' are told by their loads
+LAYERED = (Method.BOUNDARY_LAYERS, Method.DISCRETE_ROD_LAYERS)

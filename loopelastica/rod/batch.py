@@ -1,70 +1,139 @@
 """Many clampings at once: plain arrays in and out, a failed row is a status.
 
 Where any equilibrium will do, Newton's method from the nearest rods of the guess library
-(``_library``) comes before the standard starts; a single pose does not load it.
+(``_library``) comes before the standard starts; otherwise the library is not loaded.
 """
 
 import itertools
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from loopelastica._arrays import Array
-from loopelastica.rod._starts import STRAIGHT, TOLERANCE, check_torsion_ratio, starts, straight
+from loopelastica.rod._library import stored_rods
+from loopelastica.rod._starts import (
+    LAYERED,
+    STRAIGHT,
+    TOLERANCE,
+    Deadline,
+    check_tolerance,
+    check_torsion_ratio,
+    standard_starts,
+    straight,
+)
 from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.equilibrium import METHODS, Equilibrium, Status
+from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.kernels.multistart import RETRIES, Problems, Rows, new_rows, run_batch
+from loopelastica.rod.kernels.records import Method, Status
 from loopelastica.rod.solve import by_detour
 
 _CHUNK = 256
 # stored rods tried for each row of a batch, and how near they must be: further ones lead nowhere
-# more often than they spare the cascade
+# more often than they spare the standard starts
 _NEIGHBOURS, _NEAR = 6, 0.24
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Batch:
-    """Solutions of n clampings: ``loads`` (n, 6), ``energy``, ``residual``, ``status`` (n,)."""
+    """Solutions of n clampings; ``batch[i]`` is an :class:`Equilibrium`.
 
+    Attributes
+    ----------
+    positions, rotations : (n, 3), (n, 3, 3) ndarray
+        What was to be solved.
+    torsion_ratio : (n,) ndarray
+        K30 of each row.
+    free_spin : bool
+        Whether the ends may turn about their tangents.
+    loads : (n, 6) ndarray
+        F and M at s = 0 in the start frame; the last iterate's where a row failed.
+    energy, residual : (n,) ndarray
+        As for :class:`Equilibrium`; inf where a row failed. The residual is the error of what
+        ``batch[i]`` gives back.
+    status : (n,) ndarray
+        `Status` of each row.
+    method : (n,) ndarray
+        `Method` of each row.
+    by_loads : (n,) ndarray of bool
+        Whether the loads alone determine the rod to the tolerance. A tense rod needs its nodes or
+        boundary layers besides, which ``batch[i]`` has.
+    """
+
+    positions: Array
+    rotations: Array
+    torsion_ratio: Array
+    free_spin: bool
     loads: Array
     energy: Array
     residual: Array
     status: NDArray[np.int64]
-
-    @classmethod
-    def unsolved(cls, n: int) -> "Batch":
-        """Rows that nothing has been tried on."""
-        return cls(
-            np.zeros((n, 6)),
-            np.full(n, np.inf),
-            np.full(n, np.inf),
-            np.full(n, int(Status.STALLED), dtype=np.int64),
-        )
+    method: NDArray[np.int64]
+    _records: dict[int, Any] = field(default_factory=dict)
 
     @property
     def converged(self) -> NDArray[np.bool_]:
         """(n,) which rows are solutions."""
         return np.asarray(self.status == Status.CONVERGED)
 
+    @property
+    def by_loads(self) -> NDArray[np.bool_]:
+        """(n,) whether the loads alone determine the rod."""
+        alone = self.converged.copy()
+        alone[list(self._records)] = False
+        return alone
+
     def __len__(self) -> int:
         return len(self.status)
 
-    def _arrays(self) -> tuple[Array, Array, Array, NDArray[np.int64]]:
-        return self.loads, self.energy, self.residual, self.status
+    def __repr__(self) -> str:
+        solved = int(self.converged.sum())
+        return f"<Batch: {solved} of {len(self)} clampings solved>"
+
+    @overload
+    def __getitem__(self, i: int) -> Equilibrium: ...
+    @overload
+    def __getitem__(self, i: slice) -> list[Equilibrium]: ...
+    def __getitem__(self, i: int | slice) -> Equilibrium | list[Equilibrium]:
+        if isinstance(i, slice):
+            return [self[k] for k in range(*i.indices(len(self)))]
+        row = range(len(self))[i]
+        if self.status[row] == Status.BAD_INPUT:
+            raise ValueError(f"row {row} is no clamping: its position or rotation is not valid")
+        clamping = Clamping(self.positions[row], self.rotations[row], self.free_spin)
+        return Equilibrium(
+            clamping,
+            float(self.torsion_ratio[row]),
+            self.loads[row],
+            float(self.energy[row]),
+            float(self.residual[row]),
+            Status(self.status[row]),
+            Method(self.method[row]),
+            **self._records.get(row, {}),
+        )
+
+    def __iter__(self) -> Iterator[Equilibrium]:
+        return (self[i] for i in range(len(self)))
 
 
 def solve_batch(
     positions: ArrayLike,
     rotations: ArrayLike,
-    torsion_ratio: float = 1.0,
+    torsion_ratio: ArrayLike = 1.0,
     free_spin: bool = False,
-    lowest: bool = False,
+    lowest: bool = True,
     threads: int = 1,
+    *,
+    tolerance: float = TOLERANCE,
+    time_limit_s: float | None = None,
 ) -> Batch:
     """Solve many clampings; one that fails is a row with a status.
 
-    Where any equilibrium will do, the nearest stored rods are tried before the cascade. A row does
-    not depend on the others, on how rows are cut into batches or on `threads`.
+    Where any equilibrium will do (``lowest=False``), the nearest stored rods are tried first, which
+    is several times faster. A row does not depend on the others, on how rows are cut into batches
+    or on `threads`.
 
     Parameters
     ----------
@@ -72,49 +141,51 @@ def solve_batch(
         End positions in the start frames, in units of the length.
     rotations : (n, 3, 3) array_like
         End frames in the start frames, columns d1 d2 d3.
-    torsion_ratio, free_spin, lowest
-        As for :func:`solve` and :class:`Clamping`; here the first solution is the default.
+    torsion_ratio : float or (n,) array_like
+        K30 = K3/K0, of all rows or of each. Each ratio has a guess library of its own, which takes
+        a moment to build where ``lowest`` is False.
+    free_spin, lowest
+        As for :class:`Clamping` and :func:`solve`.
     threads : int
         Threads to compute with; the compiled solver runs without the interpreter's lock.
+    tolerance : float
+        Largest residual of a solution.
+    time_limit_s : float, optional
+        Seconds after which no further rows are begun (in parts of some hundred); those that are
+        left have the status ``OUT_OF_TIME``.
 
     Returns
     -------
     Batch
-        ``loads`` (n, 6), ``energy`` (n,), ``residual`` (n,), ``converged`` (n,), ``status`` (n,).
         Rows that failed have infinite energy and residual and the last iterate's loads.
 
     Raises
     ------
     ValueError
-        If the shapes do not match or `torsion_ratio` is not positive.
+        If the shapes do not match or an argument is out of range.
 
     Examples
     --------
     >>> import numpy as np
     >>> batch = solve_batch([[0, 0, 0.9], [0, 0, 1.1]], [np.eye(3), np.eye(3)])
-    >>> print(batch.converged, batch.status)
-    [ True False] [0 5]
+    >>> print(batch.converged, batch.status, round(batch[0].energy, 4))
+    [ True False] [0 5] 7.6985
     """
-    torsion_ratio = check_torsion_ratio(torsion_ratio)
-    positions = np.ascontiguousarray(positions, dtype=np.float64)
-    rotations = np.ascontiguousarray(rotations, dtype=np.float64)
-    n = len(positions)
-    if positions.shape != (n, 3) or rotations.shape != (n, 3, 3):
-        raise ValueError(
-            f"`positions` {positions.shape} and `rotations` {rotations.shape} must be (n, 3) and"
-            " (n, 3, 3)"
-        )
-    batch = Batch.unsolved(n)
-    rows = np.flatnonzero(_solvable(positions, rotations, batch))
+    deadline, tolerance = Deadline(time_limit_s), check_tolerance(tolerance)
+    batch = _unsolved(positions, rotations, torsion_ratio, bool(free_spin))
+    if not (isinstance(threads, int | np.integer) and threads >= 1):
+        raise ValueError(f"`threads` is {threads!r}; it must be a whole number, 1 or more")
+    solvable = _solvable(batch)
     for i in np.flatnonzero(batch.status == Status.UNREACHABLE):
-        _try_straight(int(i), positions, rotations, torsion_ratio, free_spin, batch)
+        _try_straight(int(i), batch)
 
     def solve_part(part: NDArray[np.intp]) -> None:
-        _solve_rows(part, positions, rotations, torsion_ratio, free_spin, lowest, batch)
+        if deadline.passed:
+            batch.status[part] = Status.OUT_OF_TIME
+            return
+        _solve_rows(part, bool(lowest), tolerance, deadline, batch)
 
-    # one row first: what is compiled or loaded late is so once
-    cuts = [0, *range(1, len(rows), _CHUNK), len(rows)] if len(rows) else [0]
-    parts = [rows[first:last] for first, last in itertools.pairwise(cuts)]
+    parts = _parts(solvable, batch.torsion_ratio)
     if threads == 1 or len(parts) < 3:
         for part in parts:
             solve_part(part)
@@ -124,13 +195,57 @@ def solve_batch(
         solve_part(parts[0])
         with ThreadPoolExecutor(threads) as pool:
             list(pool.map(solve_part, parts[1:]))
-    for array in batch._arrays():
+    for array in (batch.loads, batch.energy, batch.residual, batch.status, batch.method):
         array.setflags(write=False)
     return batch
 
 
-def _solvable(positions: Array, rotations: Array, batch: Batch) -> NDArray[np.bool_]:
+def _parts(solvable: NDArray[np.bool_], torsion_ratio: Array) -> list[NDArray[np.intp]]:
+    """Rows in parts of one torsion ratio each."""
+    parts = []
+    for ratio in np.unique(torsion_ratio):
+        rows = np.flatnonzero(solvable & (torsion_ratio == ratio))
+        # one row first: what is compiled or loaded late is so once
+        cuts = [0, *range(1, len(rows), _CHUNK), len(rows)] if len(rows) else [0]
+        parts += [rows[first:last] for first, last in itertools.pairwise(cuts)]
+    return parts
+
+
+def _unsolved(
+    positions: ArrayLike, rotations: ArrayLike, torsion_ratio: ArrayLike, free_spin: bool
+) -> Batch:
+    """Rows that nothing has been tried on."""
+    places = np.array(positions, dtype=np.float64, ndmin=1)
+    frames = np.array(rotations, dtype=np.float64, ndmin=1)
+    n = len(places)
+    if places.shape != (n, 3) or frames.shape != (n, 3, 3):
+        raise ValueError(
+            f"`positions` {places.shape} and `rotations` {frames.shape} must be (n, 3) and"
+            " (n, 3, 3)"
+        )
+    ratios = np.array(torsion_ratio, dtype=np.float64)
+    if ratios.shape not in ((), (n,)):
+        raise ValueError(f"`torsion_ratio` has shape {ratios.shape}; it must be a number or ({n},)")
+    for ratio in np.unique(ratios):
+        check_torsion_ratio(ratio)
+    for array in (places, frames):
+        array.setflags(write=False)
+    return Batch(
+        places,
+        frames,
+        np.broadcast_to(ratios, (n,)),
+        free_spin,
+        np.zeros((n, 6)),
+        np.full(n, np.inf),
+        np.full(n, np.inf),
+        np.full(n, int(Status.STALLED), dtype=np.int64),
+        np.zeros(n, dtype=np.int64),
+    )
+
+
+def _solvable(batch: Batch) -> NDArray[np.bool_]:
     """Which rows can be solved; the others are marked in ``batch``."""
+    positions, rotations = batch.positions, batch.rotations
     with np.errstate(invalid="ignore", over="ignore"):
         products = rotations.transpose(0, 2, 1) @ rotations
         # a comparison with NaN is false, so that NaN is caught as well
@@ -144,16 +259,26 @@ def _solvable(positions: Array, rotations: Array, batch: Batch) -> NDArray[np.bo
     return np.asarray(proper & slack)
 
 
-def _try_straight(
-    i: int, positions: Array, rotations: Array, torsion_ratio: float, free_spin: bool, batch: Batch
-) -> None:
+def _try_straight(i: int, batch: Batch) -> None:
+    clamping = Clamping(batch.positions[i], batch.rotations[i], batch.free_spin)
     try:
-        rod = straight(Clamping(positions[i], rotations[i], free_spin), torsion_ratio)
+        rod = straight(clamping, float(batch.torsion_ratio[i]))
     except ValueError:
         return
     if rod is not None:
-        batch.loads[i], batch.energy[i] = rod.loads, rod.energy
-        batch.residual[i], batch.status[i] = rod.residual, rod.status
+        _put(batch, i, rod)
+
+
+def _put(batch: Batch, i: int, rod: Equilibrium) -> None:
+    """Write an equilibrium into row ``i``."""
+    batch.loads[i], batch.energy[i], batch.residual[i] = rod.loads, rod.energy, rod.residual
+    batch.status[i], batch.method[i] = rod.status, rod.method
+    if rod.converged and rod.method != Method.STRAIGHT:
+        batch._records[i] = {
+            "node_s": rod.node_s,
+            "node_pose": rod.node_pose,
+            "layers": rod.layers,
+        }
 
 
 def _quaternions(rotations: Array) -> Array:
@@ -163,32 +288,38 @@ def _quaternions(rotations: Array) -> Array:
 
 
 def _solve_rows(
-    rows: NDArray[np.intp], positions: Array, rotations: Array, torsion_ratio: float,
-    free_spin: bool, lowest: bool, batch: Batch,
-) -> None:  # fmt: skip
-    """Solve the given rows; results into ``batch``."""
-    from loopelastica.rod.kernels.multistart import run_batch
-
-    n = len(rows)
+    rows: NDArray[np.intp], lowest: bool, tolerance: float, deadline: Deadline, batch: Batch
+) -> None:
+    """Solve the given rows, all of one torsion ratio; results into ``batch``."""
+    positions, rotations = batch.positions[rows], batch.rotations[rows]
+    torsion_ratio, free_spin, n = float(batch.torsion_ratio[rows[0]]), batch.free_spin, len(rows)
     guesses, known = np.zeros((n, 0, 6)), np.zeros(n, dtype=np.int64)
     if not lowest:
-        from loopelastica.rod._library import stored_rods
-
         stored = stored_rods(torsion_ratio, free_spin)
-        guesses, known = stored.nearest(positions[rows], rotations[rows], _NEIGHBOURS, _NEAR)
-    loads, energy, residual = np.zeros((n, 6)), np.full(n, np.inf), np.full(n, np.inf)
-    method = np.zeros(n, dtype=np.int64)
+        guesses, known = stored.nearest(positions, rotations, _NEIGHBOURS, _NEAR)
+    solutions = new_rows(n)
     run_batch(
-        positions[rows], _quaternions(rotations[rows]), torsion_ratio, free_spin, guesses, known,
-        starts(torsion_ratio, free_spin), lowest, TOLERANCE, loads, energy, residual, method,
+        Problems(positions, _quaternions(rotations), torsion_ratio, free_spin, tolerance),
+        guesses, known, standard_starts(torsion_ratio, free_spin), RETRIES, lowest, solutions,
     )  # fmt: skip
-    for i in np.flatnonzero(method == 0):
-        clamping = Clamping(positions[rows[i]], rotations[rows[i]], free_spin)
-        failed = Equilibrium(
-            clamping, torsion_ratio, loads[i], np.inf, np.inf, Status.STALLED, METHODS[0]
-        )
-        rod = by_detour(failed, lowest)
-        loads[i], energy[i], residual[i] = rod.loads, rod.energy, rod.residual
-        method[i] = METHODS.index(rod.method)
-    batch.loads[rows], batch.energy[rows], batch.residual[rows] = loads, energy, residual
-    batch.status[rows] = np.where(method > 0, Status.CONVERGED, Status.STALLED)
+    found = solutions.method != Method.NONE
+    batch.loads[rows], batch.energy[rows] = solutions.loads, solutions.energy
+    batch.residual[rows], batch.method[rows] = solutions.residual, solutions.method
+    batch.status[rows] = np.where(found, Status.CONVERGED, Status.STALLED)
+    for k in np.flatnonzero(found):
+        record = _record(solutions, int(k))
+        if record:
+            batch._records[int(rows[k])] = record
+    for k in np.flatnonzero(~found):
+        _put(batch, int(rows[k]), by_detour(batch[int(rows[k])], lowest, tolerance, deadline))
+
+
+def _record(solutions: Rows, k: int) -> dict[str, Any]:
+    """What row ``k`` needs beside its loads: copies, so that the rest of the part is let go."""
+    m = int(solutions.segments[k])
+    if m:
+        nodes = solutions.node_s[k, : m + 1], solutions.node_pose[k, : m + 1]
+        return {"node_s": nodes[0].copy(), "node_pose": nodes[1].copy()}
+    if solutions.method[k] in LAYERED and not solutions.shot[k]:
+        return {"layers": solutions.layers[k : k + 1].copy()}
+    return {}

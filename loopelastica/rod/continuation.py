@@ -21,26 +21,27 @@ from loopelastica._arrays import Array, read_only
 from loopelastica.rod._branch import (
     AGREE,
     SEGMENTS,
+    ClampPath,
     Point,
-    Road,
     agreement,
-    apart,
-    by_tails,
+    by_layers,
+    distance,
     equilibrium_of,
     first_point,
-    landed,
     mesh,
+    parameter_where,
     point_at,
+    point_within,
     remeshed,
     root_of_force,
     step_along,
     turned_downhill,
-    where,
 )
 from loopelastica.rod._starts import from_standard_starts
 from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.equilibrium import MESSAGES, METHODS, Equilibrium, Status
-from loopelastica.rod.stability import morse_index
+from loopelastica.rod.equilibrium import MESSAGES, Equilibrium
+from loopelastica.rod.kernels.records import Method, Status
+from loopelastica.rod.stability import assess, morse_index
 
 # Newton steps of an accepted step that make the next one longer or shorter
 _FEW, _MANY = 4, 6
@@ -50,7 +51,7 @@ _FIRST_STEP, _LEAST_STEP = 0.05, 1e-6
 _SMALL = 0.2
 # how far, and where to, the clamping is moved for a detour
 _DETOURS = tuple((size, seed) for seed in range(3) for size in (0.1, 0.3, 0.2, 0.03))
-# √F below which tails hand over to nodes again
+# √F below which boundary layers hand over to nodes again
 _SLACK = 100.0
 
 
@@ -156,21 +157,21 @@ def continue_clamping(
 
     axis = Rotation.from_matrix(rod.clamping.rotation.T @ clamping.rotation).as_rotvec()
     shift = clamping.position - rod.clamping.position
-    road = Road(rod.clamping, shift, np.asarray(axis), rod.torsion_ratio, 1.0)
+    clamp_path = ClampPath(rod.clamping, shift, np.asarray(axis), rod.torsion_ratio, 1.0)
     refusal = _refused(rod, clamping)
     if refusal is not None:
         return refusal
     change = float(np.linalg.norm(shift) + np.linalg.norm(axis))
     if change < 1e-14:
-        return _Walk(road, 1.0, stability).given(rod)
-    walk = _Walk(road, 1.0, stability)
-    if rod.clamping.on_one_line and not road.in_line and not len(rod.tail):
-        rod = turned_downhill(road, rod)
+        return _Continuation(clamp_path, 1.0, stability).given(rod)
+    following = _Continuation(clamp_path, 1.0, stability)
+    if rod.clamping.on_one_line and not clamp_path.on_one_line and not len(rod.layers):
+        rod = turned_downhill(clamp_path, rod)
     if natural or (natural is None and change < _SMALL):
-        path = walk.at_once(rod)
+        path = following.at_once(rod)
         if path is not None:
             return path
-    return walk.follow(rod, steps, max_step)
+    return following.follow(rod, steps, max_step)
 
 
 def twist_end(
@@ -179,7 +180,7 @@ def twist_end(
     *,
     steps: int = 4000,
     max_step: float = 0.5,
-    stability: bool = False,
+    stability: bool = True,
 ) -> Path:
     """Turn the end of a rod about its own tangent d3.
 
@@ -218,15 +219,15 @@ def twist_end(
         raise ValueError("`rod` leaves the spin of its end free; turning it changes nothing")
     sign = math.copysign(1.0, turns)
     axis = np.array([0.0, 0.0, sign * math.tau])
-    road = Road(rod.clamping, np.zeros(3), axis, rod.torsion_ratio, sign)
+    clamp_path = ClampPath(rod.clamping, np.zeros(3), axis, rod.torsion_ratio, sign)
     refusal = _refused(rod, rod.clamping)
     if refusal is not None:
         return refusal
-    walk = _Walk(road, abs(float(turns)), stability)
-    return walk.given(rod) if turns == 0 else walk.follow(rod, steps, max_step)
+    following = _Continuation(clamp_path, abs(float(turns)), stability)
+    return following.given(rod) if turns == 0 else following.follow(rod, steps, max_step)
 
 
-def detours(clamping: Clamping, torsion_ratio: float) -> Iterator[Equilibrium]:
+def detours(clamping: Clamping, torsion_ratio: float) -> Iterator[Equilibrium | None]:
     """Equilibria of a clamping reached from others nearby.
 
     Where solutions lie on a circle, or nearly, Newton's method has a direction in which it does
@@ -242,8 +243,9 @@ def detours(clamping: Clamping, torsion_ratio: float) -> Iterator[Equilibrium]:
 
     Yields
     ------
-    Equilibrium
-        Verified as any other. The displacements are fixed, so two runs agree.
+    Equilibrium or None
+        Verified as any other; None where a way led nowhere. The displacements are fixed, so two
+        runs agree.
     """
     from scipy.spatial.transform import Rotation
 
@@ -254,8 +256,7 @@ def detours(clamping: Clamping, torsion_ratio: float) -> Iterator[Equilibrium]:
         near = Clamping(shifted, clamping.rotation @ turn, clamping.free_spin)
         rod = from_standard_starts(near, torsion_ratio)
         path = continue_clamping(rod, clamping, steps=200, stability=False)
-        if path.end is not None:
-            yield replace(path.end, method=METHODS[6])
+        yield None if path.end is None else replace(path.end, method=Method.NEARBY)
 
 
 def _refused(rod: Equilibrium, clamping: Clamping) -> Path | None:
@@ -267,7 +268,7 @@ def _refused(rod: Equilibrium, clamping: Clamping) -> Path | None:
     status, message = Status.CONVERGED, ""
     if np.linalg.norm(clamping.position) >= 1.0:
         status, message = Status.UNREACHABLE, MESSAGES[Status.UNREACHABLE]
-    elif rod.method == "straight":
+    elif rod.method == Method.STRAIGHT:
         status = Status.STALLED
         message = "a rod stretched straight has no determined force to follow"
     if status == Status.CONVERGED:
@@ -275,11 +276,11 @@ def _refused(rod: Equilibrium, clamping: Clamping) -> Path | None:
     return Path(np.zeros(1), (rod,), nothing, nothing, status, message)
 
 
-class _Walk:
-    """A path in the making along ``road`` to t = ``goal``."""
+class _Continuation:
+    """A path in the making along ``clamp_path`` to t = ``goal``."""
 
-    def __init__(self, road: Road, goal: float, stability: bool) -> None:
-        self.road, self.goal, self.stability = road, goal, stability
+    def __init__(self, clamp_path: ClampPath, goal: float, stability: bool) -> None:
+        self.clamp_path, self.goal, self.stability = clamp_path, goal, stability
         self.t: list[float] = []
         self.rods: list[Equilibrium] = []
         self.folds: list[float] = []
@@ -292,14 +293,14 @@ class _Walk:
 
     def at_once(self, rod: Equilibrium) -> Path | None:
         """One natural step to the goal, or None if it may have left the branch."""
-        first = first_point(self.road, rod)
-        point = None if first is None else point_at(self.road, first, self.goal)
+        first = first_point(self.clamp_path, rod)
+        point = None if first is None else point_at(self.clamp_path, first, self.goal)
         if first is None or point is None or point.tangent[6] < 0.0:
             return None
-        if agreement(self.road, first, point) < AGREE:
+        if agreement(self.clamp_path, first, point) < AGREE:
             return None
         self._keep(rod, 0.0)
-        self._keep(equilibrium_of(self.road, point), point.t)
+        self._keep(equilibrium_of(self.clamp_path, point), point.t)
         if self.rods[0].index == 0 and self.rods[1].index not in (0, None):
             # lost somewhere on the way: let the steps find where
             self.t.clear()
@@ -316,18 +317,18 @@ class _Walk:
 
     def _slack(self, steps: int, max_step: float) -> Path:
         """By pseudo-arclength from the last rod, towards growing t at first."""
-        point = first_point(self.road, self.rods[-1], self.t[-1] * self.road.unit)
+        point = first_point(self.clamp_path, self.rods[-1], self.t[-1] * self.clamp_path.unit)
         if point is None:
             return self._path(Status.STALLED, "the start is not confirmed, or it is at a fold")
         first, ds = point, min(_FIRST_STEP, max_step)
         for step in range(steps):
-            meshed = remeshed(self.road, point)
+            meshed = remeshed(self.clamp_path, point)
             if meshed is None:
                 if point.tangent[6] > 0.0:
                     return self._tense(steps - step, max_step)
                 return self._path(Status.TOO_STIFF, MESSAGES[Status.TOO_STIFF])
             point = meshed
-            following = step_along(self.road, point, ds)
+            following = step_along(self.clamp_path, point, ds)
             if following is None:
                 ds *= _SHRINK
                 if ds < _LEAST_STEP:
@@ -346,11 +347,11 @@ class _Walk:
         return self._path(Status.TOO_MANY_ITERATIONS, "no steps left before the goal is reached")
 
     def _tense(self, steps: int, max_step: float) -> Path:
-        """By natural steps of two tails, where the rod is too stiff for nodes."""
-        t, longest = self.t[-1] * self.road.unit, 0.5 * self.road.reach
+        """By natural steps of two boundary layers, where the rod is too stiff for nodes."""
+        t, longest = self.t[-1] * self.clamp_path.unit, 0.5 * self.clamp_path.reach
         dt = longest
         for step in range(steps):
-            rod = by_tails(self.road, self.rods[-1], min(t + dt, self.goal))
+            rod = by_layers(self.clamp_path, self.rods[-1], min(t + dt, self.goal))
             if rod is None:
                 dt *= 0.5
                 if dt < _LEAST_STEP * longest:
@@ -377,36 +378,38 @@ class _Walk:
     ) -> tuple[Point, Status, str] | None:
         """Where the step meets the goal, or the start again; None if it goes on."""
         if (before.t - self.goal) * (after.t - self.goal) <= 0.0:
-            point = landed(self.road, before, after, ds, self.goal)
+            point = point_within(self.clamp_path, before, after, ds, self.goal)
             if point is not None:
                 return point, Status.CONVERGED, "the goal is reached"
         if first.t == 0.0 and len(self.t) > 3 and before.t * after.t <= 0.0:
-            point = landed(self.road, before, after, ds, 0.0)
-            if point is not None and apart(self.road, first, point) < 1e-6:
+            point = point_within(self.clamp_path, before, after, ds, 0.0)
+            if point is not None and distance(self.clamp_path, first, point) < 1e-6:
                 return point, Status.STALLED, "the branch is closed: it returns to its start"
         return None
 
     def _pass(self, before: Point, after: Point, ds: float) -> None:
         """Keep the point ``after`` and what happens on the way to it."""
         if before.tangent[6] * after.tangent[6] < 0.0:
-            fold = where(self.road, before, after, ds, lambda p: float(p.tangent[6]))
-            self.folds.append(self.road.unit * fold)
+            fold = parameter_where(
+                self.clamp_path, before, after, ds, lambda p: float(p.tangent[6])
+            )
+            self.folds.append(self.clamp_path.unit * fold)
         was_stable = self.stability and self.rods[-1].index == 0
-        self._keep(equilibrium_of(self.road, after), after.t)
+        self._keep(equilibrium_of(self.clamp_path, after), after.t)
         if was_stable and self.rods[-1].index != 0:
-            lost = self.road.unit * where(self.road, before, after, ds, self._firmness)
+            lost = self.clamp_path.unit * parameter_where(
+                self.clamp_path, before, after, ds, self._firmness
+            )
             # most often at the fold, which is known better
             at_fold = [t for t in self.folds[-1:] if abs(t - lost) < 1e-4]
             self.lost.append(at_fold[0] if at_fold else lost)
 
     def _firmness(self, point: Point) -> float:
         """A number that changes its sign where stability is lost."""
-        return 1.0 if morse_index(equilibrium_of(self.road, point)) == 0 else -1.0
+        return 1.0 if morse_index(equilibrium_of(self.clamp_path, point)) == 0 else -1.0
 
     def _keep(self, rod: Equilibrium, t: float) -> None:
-        from loopelastica.rod.stability import assess
-
-        self.t.append(self.road.unit * t)
+        self.t.append(self.clamp_path.unit * t)
         self.rods.append(assess(rod) if self.stability else rod)
 
     def _path(self, status: Status, message: str) -> Path:

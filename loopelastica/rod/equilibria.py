@@ -14,21 +14,26 @@ the starts are used up.
 
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica.rod._library import stored_rods
 from loopelastica.rod._starts import (
     TOLERANCE,
+    Deadline,
+    check_tolerance,
     check_torsion_ratio,
-    from_record,
-    new_record,
-    quaternion,
+    from_loads,
+    from_start,
     straight,
 )
 from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.equilibrium import Equilibrium, Status
+from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.kernels.records import Start
 from loopelastica.rod.solve import solve
 from loopelastica.rod.stability import assess
 
@@ -40,39 +45,43 @@ _PATIENCE = 40
 # bending the rod twice around costs ½(4π)²
 ENERGY_SPAN = 8.0 * math.pi**2
 
-# turns, side of the start, side of the end, kick (negative: not relaxed, half waves), and how many
-# stored rods follow in the same round
-_SIDES = ((0, 0), (1, 0), (0, 1), (1, 1))
-_WAVES = (2, 3, 4, 5, 6)
-_ROUNDS = (
+_SIDES = ((False, False), (True, False), (False, True), (True, True))
+_WAVES = (2.0, 3.0, 4.0, 5.0, 6.0)
+
+
+def _sided(turns: tuple[float, ...], bow: float = 0.0, minimized: bool = True) -> tuple[Start, ...]:
+    return tuple(
+        Start(n, bow, over_0=a, over_1=b, minimized=minimized) for n in turns for a, b in _SIDES
+    )
+
+
+def _waves(turns: tuple[float, ...]) -> tuple[Start, ...]:
+    return tuple(Start(n, half_waves=k, minimized=False) for n in turns for k in _WAVES)
+
+
+def _both(turns: tuple[float, ...]) -> tuple[Start, ...]:
+    """Minimized, and as they stand."""
+    return (*_sided(turns), *_sided(turns, minimized=False))
+
+
+# rounds: their starts, and how many stored rods follow
+_ROUNDS: tuple[tuple[tuple[Start, ...], int], ...] = (
+    ((*_both((0.0, 1.0, -1.0)), *_waves((0.0,))), 16),
     (
         (
-            *((n, *sides, kick) for kick in (0, -1) for n in (0, 1, -1) for sides in _SIDES),
-            *((0, 0, 0, -waves) for waves in _WAVES),
-        ),
-        16,
-    ),
-    (
-        (
-            *((n, 0, 0, -waves) for n in (1, -1) for waves in _WAVES),
-            *((n, *sides, kick) for kick in (0, -1) for n in (2, -2) for sides in _SIDES),
-            *((n, 0, 0, 0.8) for n in (0, 1, -1)),
+            *_waves((1.0, -1.0)),
+            *_both((2.0, -2.0)),
+            *(Start(n, bow=0.8) for n in (0.0, 1.0, -1.0)),
         ),
         32,
     ),
-    (tuple((n, *sides, kick) for kick in (0, -1) for n in (3, -3, 4, -4) for sides in _SIDES), 64),
+    (_both((3.0, -3.0, 4.0, -4.0)), 64),
     ((), 128),
 )
-_FREE_ROUNDS = (
-    (
-        (
-            *((0, *sides, kick) for kick in (0, -1) for sides in _SIDES),
-            *((0, 0, 0, -waves) for waves in _WAVES),
-        ),
-        16,
-    ),
-    (tuple((0, *sides, kick) for kick in (0.3, 0.8) for sides in _SIDES), 32),
-    (tuple((0, *sides, kick) for kick in (1.5, 3.0) for sides in _SIDES), 64),
+_FREE_ROUNDS: tuple[tuple[tuple[Start, ...], int], ...] = (
+    ((*_both((0.0,)), *_waves((0.0,))), 16),
+    ((*_sided((0.0,), 0.3), *_sided((0.0,), 0.8)), 32),
+    ((*_sided((0.0,), 1.5), *_sided((0.0,), 3.0)), 64),
     ((), 128),
 )
 
@@ -91,13 +100,18 @@ class Equilibria(list[Equilibrium]):
         How many starts were made.
     hits : tuple of int
         How often each listed equilibrium was found.
+    out_of_time : bool
+        Whether a time limit ended the search.
     """
 
-    def __init__(self, found: "list[_Found]", energy_max: float, starts: int) -> None:
+    def __init__(
+        self, found: "list[_Found]", energy_max: float, starts: int, out_of_time: bool = False
+    ) -> None:
         below = sorted((f for f in found if f.rod.energy <= energy_max), key=lambda f: f.rod.energy)
         super().__init__(f.rod for f in below)
         self.energy_max = energy_max
         self.starts = starts
+        self.out_of_time = out_of_time
         self.hits = tuple(f.hits for f in below)
         self.unseen = self.hits.count(1) / sum(self.hits) if below else 1.0
 
@@ -118,6 +132,9 @@ def equilibria(
     energy_max: float | None = None,
     rounds: int | None = None,
     turns: int | None = None,
+    *,
+    tolerance: float = TOLERANCE,
+    time_limit_s: float | None = None,
 ) -> Equilibria:
     """Find the equilibria of a clamped rod up to an energy.
 
@@ -135,10 +152,13 @@ def equilibria(
         How many rounds of starts to make, 1 to 4. By default at least two, and more until
         ``unseen`` is small: the starts of one round are not independent, and the estimate alone
         would end the search too early.
-
     turns : int, optional
         List only rods with that many whole turns (:attr:`Equilibrium.turns`), and start from ends
         wound up that far, beyond half a turn too.
+    tolerance : float
+        Largest residual of an equilibrium that is listed.
+    time_limit_s : float, optional
+        Seconds after which no further start is made; the list then says so by ``out_of_time``.
 
     Returns
     -------
@@ -158,7 +178,8 @@ def equilibria(
     >>> print([round(rod.energy, 4) for rod in equilibria(q, energy_max=30)])
     [7.0579, 19.1464, 23.2724]
     """
-    torsion_ratio = check_torsion_ratio(torsion_ratio)
+    torsion_ratio, tolerance = check_torsion_ratio(torsion_ratio), check_tolerance(tolerance)
+    deadline = Deadline(time_limit_s)
     if rounds is not None and not 1 <= rounds <= len(_ROUNDS):
         raise ValueError(f"`rounds` is {rounds}; it must be 1 to {len(_ROUNDS)}")
     stretched = straight(clamping, torsion_ratio)
@@ -167,37 +188,48 @@ def equilibria(
     found: list[_Found] = []
     planned = (_FREE_ROUNDS if clamping.free_spin else _ROUNDS)[:rounds]
     if turns is not None and not clamping.free_spin:
-        wound = tuple(
-            (turns + n, *sides, kick) for kick in (0, -1) for n in (0, 1, -1) for sides in _SIDES
-        )
-        planned = ((wound, 0), *planned)
+        planned = ((_both((turns + 0.0, turns + 1.0, turns - 1.0)), 0), *planned)
     guesses = _stored(clamping, torsion_ratio, sum(count for _, count in planned))
     starts = used = 0
-    waves = _nearly_in_line(clamping)
     for number, (everything, count) in enumerate(planned, start=1):
-        structured = [start for start in everything if waves or start[3] >= -1]
-        for start in structured:
-            _merge(found, _from_start(clamping, torsion_ratio, start))
-        for guess in guesses[used : used + count]:
-            _merge(found, _from_guess(clamping, torsion_ratio, guess))
+        ways = _ways(clamping, torsion_ratio, everything, guesses[used : used + count], tolerance)
         used += count
-        starts += len(structured) + count
-        if not found:
-            _merge(found, solve(clamping, torsion_ratio, lowest=False))
+        for way in ways:
+            _merge(found, way())
+            starts += 1
+            if deadline.passed:
+                break
+        if not found and not deadline.passed:
+            _merge(found, solve(clamping, torsion_ratio, lowest=False, tolerance=tolerance))
         chosen = [f for f in found if turns is None or f.rod.turns == turns]
-        result = _result(chosen, energy_max, starts)
-        if number >= 2 and result.unseen < UNSEEN:
+        result = _result(chosen, energy_max, starts, deadline.passed)
+        if deadline.passed or (number >= 2 and result.unseen < UNSEEN):
             break
     result[:] = [assess(rod) for rod in result]
     return result
+
+
+def _ways(
+    clamping: Clamping,
+    torsion_ratio: float,
+    starts: tuple[Start, ...],
+    guesses: Array,
+    tolerance: float,
+) -> list[Callable[[], Equilibrium]]:
+    """The starts of a round: structured ones, then stored rods."""
+    waves = _nearly_in_line(clamping)
+    structured = [start for start in starts if waves or start.half_waves == 0.0]
+    shot = partial(from_loads, clamping, torsion_ratio, patience=_PATIENCE, tolerance=tolerance)
+    return [
+        *(partial(from_start, clamping, torsion_ratio, s, tolerance) for s in structured),
+        *(partial(shot, loads=guess) for guess in guesses),
+    ]
 
 
 def _stored(clamping: Clamping, torsion_ratio: float, count: int) -> Array:
     """Loads (count, 6) of the stored rods nearest to a clamping."""
     if count == 0:
         return np.empty((0, 6))
-    from loopelastica.rod._library import stored_rods
-
     stored = stored_rods(torsion_ratio, clamping.free_spin)
     loads, _ = stored.nearest(clamping.position[None], clamping.rotation[None], count)
     nearest: Array = loads[0]
@@ -214,35 +246,12 @@ def _nearly_in_line(clamping: Clamping) -> bool:
     return bool(clamping.position[2] > 0.95 * size and clamping.position @ tangent > 0.95 * size)
 
 
-def _result(found: list[_Found], energy_max: float | None, starts: int) -> Equilibria:
+def _result(
+    found: list[_Found], energy_max: float | None, starts: int, out_of_time: bool = False
+) -> Equilibria:
     lowest = min((f.rod.energy for f in found), default=0.0)
-    return Equilibria(found, lowest + ENERGY_SPAN if energy_max is None else energy_max, starts)
-
-
-def _from_start(clamping: Clamping, torsion_ratio: float, start: tuple[float, ...]) -> Equilibrium:
-    """What one structured start leads to."""
-    from loopelastica.rod.kernels.multistart import run_start
-
-    record = new_record()
-    outcome = run_start(
-        clamping.position.copy(), quaternion(clamping), torsion_ratio, clamping.free_spin,
-        np.array(start, dtype=np.float64), TOLERANCE, *record,
-    )  # fmt: skip
-    return from_record(clamping, torsion_ratio, outcome, record)
-
-
-def _from_guess(clamping: Clamping, torsion_ratio: float, guess: Array) -> Equilibrium:
-    from loopelastica.rod.kernels.newton import elastic_energy, newton
-
-    loads = guess.copy()
-    status, residual, _, end = newton(
-        loads, clamping.position.copy(), quaternion(clamping),
-        torsion_ratio, clamping.free_spin, TOLERANCE, _PATIENCE,
-    )  # fmt: skip
-    if status != Status.CONVERGED:
-        return Equilibrium(clamping, torsion_ratio, loads, math.inf, math.inf, Status(status))
-    energy = elastic_energy(loads, end[:3], torsion_ratio)
-    return Equilibrium(clamping, torsion_ratio, loads, energy, residual, Status.CONVERGED)
+    bound = lowest + ENERGY_SPAN if energy_max is None else energy_max
+    return Equilibria(found, bound, starts, out_of_time)
 
 
 def _merge(found: list[_Found], rod: Equilibrium) -> None:

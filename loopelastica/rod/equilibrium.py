@@ -1,14 +1,14 @@
 """One equilibrium of a clamped rod, and what it knows of itself.
 
-An equilibrium carries its loads and the poses of its nodes, or the parameters of its two tails.
+An equilibrium carries its loads and the poses of its nodes, or its two boundary layers.
 Between two nodes it is integrated from the node before, so that errors grow over one interval
 only; loads alone no longer determine the rod in double precision once √F exceeds about 70.
 """
 
 import functools
+import html
 import math
 from dataclasses import dataclass, field
-from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, read_only
 from loopelastica.rod.clamping import Clamping
+from loopelastica.rod.kernels.records import LAYERS, Method, Status
 
 if TYPE_CHECKING:
     from loopelastica.rod.parameters import PhysicalParameters
@@ -27,31 +28,6 @@ _WINDING_POINTS = 401
 _DENSITY = 4.0
 
 
-# names of the codes in `multistart`, and of what `continuation` adds
-METHODS = (
-    "none",
-    "shooting from a stored rod",
-    "tails",
-    "tails + multiple shooting",
-    "discrete rod + multiple shooting",
-    "discrete rod + tails",
-    "continuation from a near clamping",
-    "discrete rod + shooting",
-)
-
-
-class Status(IntEnum):
-    """How a solve ended; only ``CONVERGED`` (0) is a solution."""
-
-    CONVERGED = 0
-    STALLED = 1
-    TOO_MANY_ITERATIONS = 2
-    TOO_STIFF = 3
-    CHECK_FAILED = 4
-    UNREACHABLE = 5
-    BAD_INPUT = 6
-
-
 MESSAGES = {
     Status.CONVERGED: "converged; the residual is that of a mesh the solver did not use",
     Status.STALLED: "no start led to a solution",
@@ -61,10 +37,11 @@ MESSAGES = {
     Status.UNREACHABLE: "the ends are further apart than the rod is long, or exactly as far with"
     " tangents off the line between them",
     Status.BAD_INPUT: "the position is not finite or the rotation is not a rotation",
+    Status.OUT_OF_TIME: "the time limit was reached before a solution was found",
 }
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Equilibrium:
     """An equilibrium of an ideal rod: L = K0 = 1, lengths in units of L.
 
@@ -83,12 +60,13 @@ class Equilibrium:
         solver did not use; inf if not converged.
     status : Status
         Why the solver stopped; 0 is success. ``message`` says it in words.
-    method : str
-        Which step of the solver delivered it (`METHODS`).
+    method : Method
+        Which step of the solver delivered it; ``method.label`` says it in words.
     node_s, node_pose : (m,), (m, 7) ndarray
         Arc lengths and poses (position, quaternion, without the extra spin of K30 ≠ 1) of nodes.
-    tail : (20,) or (0,) ndarray
-        Parameters of the two homoclinic tails of a tense rod, which then take the nodes' place.
+    layers : (1,) or (0,) structured ndarray
+        The two boundary layers of a tense rod, which then take the nodes' place; its fields are
+        those of `kernels.records.LAYERS`.
     index : int or None
         Morse index: independent ways downhill with both ends clamped; None until it is computed
         (see :mod:`.stability`).
@@ -100,17 +78,33 @@ class Equilibrium:
     energy: float
     residual: float
     status: Status
-    method: str = METHODS[1]
+    method: Method = Method.SHOOTING
     node_s: Array = field(default_factory=lambda: np.zeros(1), repr=False)
     node_pose: Array = field(
         default_factory=lambda: np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]), repr=False
     )
-    tail: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+    layers: Any = field(default_factory=lambda: np.zeros(0, LAYERS), repr=False)
     index: int | None = None
 
     def __post_init__(self) -> None:
-        for name in ("loads", "node_s", "node_pose", "tail"):
+        for name in ("loads", "node_s", "node_pose"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
+        layers = np.array(self.layers, dtype=LAYERS)
+        layers.setflags(write=False)
+        object.__setattr__(self, "layers", layers)
+
+    def __reduce__(self) -> Any:
+        # arrays come back from a pickle writeable; a new object protects its own
+        return type(self), tuple(getattr(self, name) for name in self.__slots__)
+
+    def __repr__(self) -> str:
+        if not self.converged:
+            return f"<Equilibrium: {self.message}>"
+        index = "" if self.index is None else f", index {self.index}"
+        return f"<Equilibrium: energy {self.energy:.6g}, residual {self.residual:.1e}{index}>"
+
+    def _repr_html_(self) -> str:
+        return html.escape(repr(self)[1:-1])
 
     @property
     def converged(self) -> bool:
@@ -157,7 +151,7 @@ class Equilibrium:
     @property
     def family(self) -> bool:
         """Whether it stands for a circle of solutions: both ends on one line, the rod off it."""
-        return self.clamping.on_one_line and self.method != "straight"
+        return self.clamping.on_one_line and self.method != Method.STRAIGHT
 
     @property
     def writhe(self) -> float:
@@ -184,11 +178,11 @@ class Equilibrium:
         return self._poses(_arc_lengths(n), 1.0)
 
     def _poses(self, s: Array, torsion_ratio: float) -> Array:
-        if len(self.tail):
-            from loopelastica.rod.kernels.boundary_layers import sample_tails
+        if len(self.layers):
+            from loopelastica.rod.kernels.layer_poses import sample_layers
 
-            tails: Array = sample_tails(self.tail.copy(), torsion_ratio, s.copy())
-            return tails
+            poses: Array = sample_layers(self.layers[0], torsion_ratio, s.copy())
+            return poses
         from loopelastica.rod.kernels.shooting import sample
 
         order = np.argsort(s, kind="stable")
@@ -229,10 +223,12 @@ class Equilibrium:
             "residual": self.residual if math.isfinite(self.residual) else None,
             "status": int(self.status),
             "message": self.message,
-            "method": self.method,
+            "method": self.method.name.lower(),
             "node_s": self.node_s.tolist(),
             "node_pose": self.node_pose.tolist(),
-            "tail": self.tail.tolist(),
+            "layers": dict(zip(_LAYER_FIELDS, self.layers[0].tolist(), strict=True))
+            if len(self.layers)
+            else None,
             "index": self.index,
         }
 
@@ -250,12 +246,21 @@ class Equilibrium:
             number("energy"),
             number("residual"),
             Status(values["status"]),
-            values["method"],
+            Method[values["method"].upper()],
             values["node_s"],
             values["node_pose"],
-            values["tail"],
+            _layers(values["layers"]),
             values["index"],
         )
+
+
+_LAYER_FIELDS = LAYERS.names or ()
+
+
+def _layers(values: dict[str, float] | None) -> Any:
+    if values is None:
+        return np.zeros(0, LAYERS)
+    return np.array([tuple(values[name] for name in _LAYER_FIELDS)], dtype=LAYERS)
 
 
 @functools.lru_cache(maxsize=32)

@@ -5,13 +5,38 @@ starts; it is not proven to be. Where no start arrives, the clamping is approach
 nearby (``continuation``).
 """
 
-from loopelastica.rod._starts import check_torsion_ratio, from_standard_starts, straight
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from loopelastica.rod._starts import (
+    TOLERANCE,
+    Deadline,
+    check_tolerance,
+    check_torsion_ratio,
+    from_loads,
+    from_standard_starts,
+    straight,
+)
 from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.continuation import detours
+from loopelastica.rod.continuation import continue_clamping, detours
 from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.kernels.records import Method, Status
+
+# Newton steps from a given guess
+_PATIENCE = 40
 
 
-def solve(clamping: Clamping, torsion_ratio: float = 1.0, lowest: bool = True) -> Equilibrium:
+def solve(
+    clamping: Clamping,
+    torsion_ratio: float = 1.0,
+    lowest: bool = True,
+    *,
+    guess: Equilibrium | ArrayLike | None = None,
+    tolerance: float = TOLERANCE,
+    time_limit_s: float | None = None,
+) -> Equilibrium:
     """Find an equilibrium of an ideal rod with both ends clamped.
 
     Parameters
@@ -23,6 +48,15 @@ def solve(clamping: Clamping, torsion_ratio: float = 1.0, lowest: bool = True) -
     lowest : bool
         Return the equilibrium of least energy that the standard starts lead to (not proven to be
         the lowest of all); otherwise the first one found.
+    guess : Equilibrium or (6,) array_like, optional
+        A warm start: a rod of a clamping nearby, or loads. The equilibrium that Newton's method
+        reaches from it is returned, whatever its energy; the standard starts follow if there is
+        none.
+    tolerance : float
+        Largest residual of a solution.
+    time_limit_s : float, optional
+        Seconds after which no further way is tried. The standard starts, some milliseconds, are
+        made whole.
 
     Returns
     -------
@@ -33,7 +67,7 @@ def solve(clamping: Clamping, torsion_ratio: float = 1.0, lowest: bool = True) -
     Raises
     ------
     ValueError
-        If no rod can fit (`clamping` out of reach) or `torsion_ratio` is not positive.
+        If no rod can fit (`clamping` out of reach) or another argument is out of range.
 
     Examples
     --------
@@ -42,23 +76,69 @@ def solve(clamping: Clamping, torsion_ratio: float = 1.0, lowest: bool = True) -
     >>> print(rod.converged, round(rod.energy, 6), rod.residual < 1e-9)
     True 7.057888 True
     """
-    torsion_ratio = check_torsion_ratio(torsion_ratio)
+    torsion_ratio, tolerance = check_torsion_ratio(torsion_ratio), check_tolerance(tolerance)
+    deadline = Deadline(time_limit_s)
     stretched = straight(clamping, torsion_ratio)
     if stretched is not None:
         return stretched
-    rod = from_standard_starts(clamping, torsion_ratio, lowest)
-    return rod if rod.converged else by_detour(rod, lowest)
+    if guess is not None:
+        rod = _from_guess(clamping, torsion_ratio, guess, tolerance)
+        if rod is not None:
+            return rod
+    rod = from_standard_starts(clamping, torsion_ratio, lowest, tolerance)
+    return rod if rod.converged else by_detour(rod, lowest, tolerance, deadline)
 
 
-def by_detour(rod: Equilibrium, lowest: bool) -> Equilibrium:
+def _from_guess(
+    clamping: Clamping, torsion_ratio: float, guess: Equilibrium | ArrayLike, tolerance: float
+) -> Equilibrium | None:
+    """What Newton's method reaches from a guess, or None."""
+    if isinstance(guess, Equilibrium):
+        if guess.clamping.free_spin == clamping.free_spin and guess.torsion_ratio == torsion_ratio:
+            path = continue_clamping(guess, clamping, natural=True, steps=0, stability=False)
+            if path.end is not None and path.end.residual < tolerance:
+                return replace(path.end, method=Method.GUESS)
+        loads = guess.loads
+    else:
+        loads = np.array(guess, dtype=np.float64)
+        if loads.shape != (6,) or not np.isfinite(loads).all():
+            raise ValueError("`guess` must be an Equilibrium or six finite loads F1 F2 F3 M1 M2 M3")
+    rod = from_loads(clamping, torsion_ratio, loads, _PATIENCE, Method.GUESS, tolerance)
+    return rod if rod.converged else None
+
+
+def by_detour(
+    rod: Equilibrium, lowest: bool, tolerance: float = TOLERANCE, deadline: Deadline | None = None
+) -> Equilibrium:
     """By continuation from clampings nearby, where no start arrives; else ``rod`` as it is.
 
     About one in 200 of those poses needs it whose tangents are both within 1e-6 of the line of a
     nearly straight chord, where solutions are a circle in all but name.
+
+    Parameters
+    ----------
+    rod : Equilibrium
+        What the standard starts came to, unsolved.
+    lowest : bool
+        Try all ways and return the lowest; otherwise the first one found.
+    tolerance : float
+        Largest residual of a solution.
+    deadline : Deadline, optional
+        When to stop trying.
+
+    Returns
+    -------
+    Equilibrium
+        ``rod`` itself if nothing was found, with the status of a time limit if that was why.
     """
     found = []
     for end in detours(rod.clamping, rod.torsion_ratio):
-        found.append(end)
-        if not lowest:
+        if end is not None and end.residual < tolerance:
+            found.append(end)
+            if not lowest:
+                break
+        if deadline is not None and deadline.passed:
+            if not found:
+                return replace(rod, status=Status.OUT_OF_TIME)
             break
     return min(found, key=lambda end: end.energy, default=rod)

@@ -17,6 +17,11 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.kernels.discrete_rod import DiscreteRod
+from loopelastica.rod.kernels.discrete_starts import graded_nodes
+from loopelastica.rod.kernels.records import Method
+from loopelastica.rod.kernels.second_variation import inertia, sign_changes
+from loopelastica.rod.kernels.shooting import moment_bound
 
 STIFF = 25.0
 _MESHES = (64, 128, 256, 512)
@@ -51,7 +56,7 @@ def assess(rod: Equilibrium) -> Equilibrium:
 
 def morse_index(rod: Equilibrium) -> int:
     """Number of independent ways downhill from a converged equilibrium, ends clamped."""
-    if rod.method == "straight":
+    if rod.method == Method.STRAIGHT:
         return 0
     root = math.sqrt(float(np.linalg.norm(rod.loads[:3])))
     by_mesh = [_inertia(rod, root, _MESHES[0])]
@@ -66,9 +71,6 @@ def morse_index(rod: Equilibrium) -> int:
 
 def conjugate_points(rod: Equilibrium) -> int:
     """Sign changes of det V in (0, L): conjugate points of odd multiplicity."""
-    from loopelastica.rod.kernels.second_variation import sign_changes
-    from loopelastica.rod.kernels.shooting import moment_bound
-
     # several points per radian of the fastest turning
     loads = rod.loads.copy()
     n = max(160, int(12 * moment_bound(loads)))
@@ -78,11 +80,8 @@ def conjugate_points(rod: Equilibrium) -> int:
 
 
 def _inertia(rod: Equilibrium, root: float, n: int) -> int:
-    from loopelastica.rod.kernels.minimization import graded_nodes
-    from loopelastica.rod.kernels.second_variation import inertia
-
     s = np.empty(n + 1)
-    graded_nodes(n, min(root, 200.0), s)
+    graded_nodes(min(root, 200.0), s)
     frames: Array = np.empty((n + 2, 4))
     frames[0] = (1.0, 0.0, 0.0, 0.0)
     frames[1:] = rod.poses(np.append(0.5 * (s[1:] + s[:-1]), 1.0))[:, 3:]
@@ -90,6 +89,6 @@ def _inertia(rod: Equilibrium, root: float, n: int) -> int:
     return int(
         inertia(
             rod.loads.copy(), rod.clamping.position.copy(), rod.torsion_ratio,
-            rod.clamping.free_spin, s, frames, shift,
+            rod.clamping.free_spin, DiscreteRod(s, frames), shift,
         )
     )  # fmt: skip

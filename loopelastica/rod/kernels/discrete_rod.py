@@ -17,56 +17,66 @@ Linear systems in H are block tridiagonal with 3×3 blocks.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from loopelastica._arrays import Array
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.rotations import directors, tangent
+from loopelastica.rod.kernels.linalg import inverse3, negative_eigenvalues
+from loopelastica.rod.kernels.rotations import directors, logarithm, product, tangent
+
+
+class DiscreteRod(NamedTuple):
+    """Arc lengths ``s`` (n + 1,) of the hinges; ``frames`` (n + 2, 4) of segments and clamps."""
+
+    s: Array
+    frames: Array
+
+
+class Hessian(NamedTuple):
+    """Derivatives of the Lagrangian; ``blocks`` is n, or n + 1 for a free spin."""
+
+    diagonal: Array
+    """(blocks, 3, 3)."""
+    upper: Array
+    """(blocks, 3, 3): between a block and the next."""
+    gradient: Array
+    """(blocks, 3): of the energy alone."""
+    sides: Array
+    """(blocks, 3, 3): transposed constraint rows C_kᵀ."""
+    omega: Array
+    """(n + 1, 3): hinge vectors ω."""
 
 
 @kernel
-def turn(q, bx, by, bz):
-    """Turn q by exp(b) from the right, in place."""
-    a2 = bx * bx + by * by + bz * bz
-    a = math.sqrt(a2)
-    s = math.sin(0.5 * a) / a if a > 1e-8 else 0.5 - a2 / 48.0
-    w, x, y, z = q[0], q[1], q[2], q[3]
-    c = math.cos(0.5 * a)
-    px, py, pz = s * bx, s * by, s * bz
-    q[0] = w * c - x * px - y * py - z * pz
-    q[1] = w * px + x * c + y * pz - z * py
-    q[2] = w * py - x * pz + y * c + z * px
-    q[3] = w * pz + x * py - y * px + z * c
-    norm = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    q[0] *= norm
-    q[1] *= norm
-    q[2] *= norm
-    q[3] *= norm
+def new_hessian(n, free_spin):
+    """Room for the Hessian of ``n`` segments."""
+    blocks = n + 1 if free_spin else n
+    return Hessian(
+        np.empty((blocks, 3, 3)),
+        np.empty((blocks, 3, 3)),
+        np.empty((blocks, 3)),
+        np.empty((blocks, 3, 3)),
+        np.empty((n + 1, 3)),
+    )
 
 
 @kernel
 def hinge_vector(p, q, out):
     """ω = log(pᵀ q) in the frame of p, |ω| ≤ π, into ``out``."""
-    w = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]
-    x = p[0] * q[1] - p[1] * q[0] - p[2] * q[3] + p[3] * q[2]
-    y = p[0] * q[2] + p[1] * q[3] - p[2] * q[0] - p[3] * q[1]
-    z = p[0] * q[3] - p[1] * q[2] + p[2] * q[1] - p[3] * q[0]
-    if w < 0.0:
-        w, x, y, z = -w, -x, -y, -z
-    s2 = x * x + y * y + z * z
-    s = math.sqrt(s2)
-    factor = 2.0 * math.atan2(s, w) / s if s > 1e-5 else 2.0 / w * (1.0 - s2 / (3.0 * w * w))
-    out[0], out[1], out[2] = factor * x, factor * y, factor * z
+    out[0], out[1], out[2] = logarithm(*product(p[0], -p[1], -p[2], -p[3], q[0], q[1], q[2], q[3]))
 
 
 @kernel
-def measure(frames, s, n, position, k3, omega, c):
+def measure(rod, position, k3, omega, c):
     """Energy of all hinges; ``omega`` (n + 1, 3) and the constraint ``c`` (3,) on the way."""
-    energy = 0.0
+    s, frames, energy = rod.s, rod.frames, 0.0
+    n = s.shape[0] - 1
     c[0], c[1], c[2] = -position[0], -position[1], -position[2]
     for j in range(n + 1):
         hinge_vector(frames[j], frames[j + 1], omega[j])
-        h = hinge_length(s, n, j)
+        h = hinge_length(s, j)
         energy += (
             omega[j, 0] * omega[j, 0] + omega[j, 1] * omega[j, 1] + k3 * omega[j, 2] * omega[j, 2]
         ) / (2.0 * h)
@@ -80,9 +90,9 @@ def measure(frames, s, n, position, k3, omega, c):
 
 
 @kernel
-def hinge_length(s, n, j):
-    """Half of either neighbouring segment."""
-    h = 0.0
+def hinge_length(s, j):
+    """Half of either neighbouring segment of hinge ``j``."""
+    n, h = s.shape[0] - 1, 0.0
     if j > 0:
         h += 0.5 * (s[j] - s[j - 1])
     if j < n:
@@ -91,15 +101,16 @@ def hinge_length(s, n, j):
 
 
 @kernel
-def assemble(frames, s, n, blocks, k3, omega, force, diagonal, upper, gradient, sides):
-    """Hessian blocks, gradient and constraint rows of the Lagrangian at ``frames``.
-
-    ``diagonal``, ``upper`` (blocks, 3, 3), ``gradient`` (blocks, 3) of the energy alone, and
-    ``sides`` (blocks, 3, 3), the transposed constraint rows C_kᵀ.
+def assemble(rod, k3, force, hessian):
+    """Fill ``hessian`` at a rod whose ``omega`` are there already, with ``force`` (3,).
 
     With W = [ω], W³ = −a² W, m·ω (``dot``) and m × ω (``side``) all products of the module's head
     are sums of 1, [ω], [m] and dyads of ω, m, m × ω and the third row and column of P.
     """
+    s, frames, omega = rod.s, rod.frames, hessian.omega
+    diagonal, upper = hessian.diagonal, hessian.upper
+    gradient, sides = hessian.gradient, hessian.sides
+    n, blocks = s.shape[0] - 1, gradient.shape[0]
     w, m, row, column = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     v, side, moved = np.empty(3), np.empty(3), np.empty(3)
     for k in range(blocks):
@@ -111,7 +122,7 @@ def assemble(frames, s, n, blocks, k3, omega, force, diagonal, upper, gradient, 
                 sides[k, i, j] = 0.0
     for hinge in range(n + 1):
         x, y, z = omega[hinge, 0], omega[hinge, 1], omega[hinge, 2]
-        h = hinge_length(s, n, hinge)
+        h = hinge_length(s, hinge)
         a2 = x * x + y * y + z * z
         if a2 > 1e-2:
             half = 0.5 * math.sqrt(a2)
@@ -214,50 +225,14 @@ def assemble(frames, s, n, blocks, k3, omega, force, diagonal, upper, gradient, 
 
 
 @kernel
-def negative_eigenvalues(a, shift):
-    """Negative eigenvalues of the symmetric 3×3 ``a`` + shift·1, and its determinant."""
-    a00, a11, a22 = a[0, 0] + shift, a[1, 1] + shift, a[2, 2] + shift
-    minor = a00 * a11 - a[0, 1] * a[1, 0]
-    det = (
-        a22 * minor
-        - a[1, 2] * (a00 * a[2, 1] - a[0, 1] * a[2, 0])
-        + a[0, 2] * (a[1, 0] * a[2, 1] - a11 * a[2, 0])
-    )
-    count = 0
-    if a00 < 0.0:
-        count += 1
-    if minor * a00 < 0.0:
-        count += 1
-    if det * minor < 0.0:
-        count += 1
-    return count, det
-
-
-@kernel
-def inverse3(a, out):
-    """Inverse of a symmetric 3×3 array."""
-    c00 = a[1, 1] * a[2, 2] - a[1, 2] * a[1, 2]
-    c01 = a[0, 2] * a[1, 2] - a[0, 1] * a[2, 2]
-    c02 = a[0, 1] * a[1, 2] - a[0, 2] * a[1, 1]
-    det = a[0, 0] * c00 + a[0, 1] * c01 + a[0, 2] * c02
-    if abs(det) < 1e-300:
-        det = 1e-300
-    r = 1.0 / det
-    out[0, 0], out[0, 1], out[0, 2] = r * c00, r * c01, r * c02
-    out[1, 0], out[1, 1] = r * c01, r * (a[0, 0] * a[2, 2] - a[0, 2] * a[0, 2])
-    out[1, 2] = r * (a[0, 1] * a[0, 2] - a[0, 0] * a[1, 2])
-    out[2, 0], out[2, 1] = r * c02, out[1, 2]
-    out[2, 2] = r * (a[0, 0] * a[1, 1] - a[0, 1] * a[0, 1])
-
-
-@kernel
-def factor(diagonal, upper, s, n, blocks, shift, inverse, x):
+def factor(hessian, s, shift, inverse, x):
     """Solve the block tridiagonal H + shift·h for the four columns of ``x``, in place.
 
     ``x`` (blocks, 3, 4); ``inverse`` (blocks, 3, 3) is scratch. Returns the number of negative
     eigenvalues of H + shift·h.
     """
-    negative = 0
+    diagonal, upper = hessian.diagonal, hessian.upper
+    n, blocks, negative = s.shape[0] - 1, diagonal.shape[0], 0
     pivot, lower = np.empty((3, 3)), np.empty((3, 3))
     for k in range(blocks):
         length = s[k + 1] - s[k] if k < n else 1.0 / n

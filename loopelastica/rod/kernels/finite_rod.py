@@ -18,23 +18,13 @@ from loopelastica.rod.kernels.closed_form import constants, landau_moment, landa
 from loopelastica.rod.kernels.cubic import a_min, roots
 from loopelastica.rod.kernels.elliptic import agm_scale, complete_from_scale, incomplete
 from loopelastica.rod.kernels.jit import kernel
+from loopelastica.rod.kernels.rotations import product
 
 # w s of a homoclinic rod where ρ has fallen below the last digit: e⁻⁴⁰ = 4e-18
 FAR = 40.0
 # Below this ratio of F to M², or to 1 (L = K0 = 1), the force is no longer felt: Landau's frame
 # lies so far away from the rod (ρ ~ M/F) that the closed form would lose half of its digits.
 NO_FORCE = 1e-9
-
-
-@kernel
-def relative(p0, p1, p2, p3, q0, q1, q2, q3):
-    """conj(p) q: the frame q seen from the frame p, as four floats."""
-    return (
-        p0 * q0 + p1 * q1 + p2 * q2 + p3 * q3,
-        p0 * q1 - p1 * q0 - p2 * q3 + p3 * q2,
-        p0 * q2 + p1 * q3 - p2 * q0 - p3 * q1,
-        p0 * q3 - p1 * q2 + p2 * q1 - p3 * q0,
-    )
 
 
 @kernel
@@ -81,7 +71,7 @@ def rod_along(lam, t_p, a, phi0, s_ini, length, torsion_ratio, arc):
         q0, q1, q2, q3, x, y, z = landau_pose(s_ini + length * arc[i], phi0, spin, c, scale)
         x, y, z = turned_back(p0, p1, p2, p3, x - x0, y - y0, z - z0)
         position[i, 0], position[i, 1], position[i, 2] = x / length, y / length, z / length
-        h0, h1, h2, h3 = relative(p0, p1, p2, p3, q0, q1, q2, q3)
+        h0, h1, h2, h3 = product(p0, -p1, -p2, -p3, q0, q1, q2, q3)  # conj(p) q
         _write_rotation(h0, h1, h2, h3, frame[i])
     return position, frame
 

@@ -1,60 +1,152 @@
-"""How functions are compiled: the one place where numba's options stand.
+"""How functions are compiled and where compiled code is kept: all that numba is asked for.
 
-Compiling is what a first call waits for: the whole cascade takes half a minute. So functions are of
-two kinds. Kernels do the arithmetic and are always compiled. Drivers choose which kernels to call;
-called from Python they are interpreted, so that only those kernels are compiled that the case at
-hand comes to, and called from a kernel (`solve_batch`) they are compiled with it.
+Functions are of two kinds. Kernels do the arithmetic and are always compiled. Drivers choose which
+kernels to call; called from Python they are interpreted, so that only those kernels are compiled
+that the case at hand comes to, and called from a kernel (`solve_batch`) they are compiled with it.
+
+Compiled code is kept in folders, by a key that covers the text of every kernel of the package, its
+version, Python, numba and llvmlite: numba's own cache asks only the file of the function itself
+whether it changed, and answers from yesterday's code when a function that it calls was edited.
+Two folders are searched:
+
+- one inside the package, filled when the wheel is built and never needed to be written to;
+- the user's: ``$LOOPELASTICA_CACHE``, else ``loopelastica`` in the user's folder of caches.
+
+In both, code for any processor of an architecture (`PORTABLE`) stands beside code for this one.
+What is found in neither is compiled, and kept in the user's folder if that can be written. A file
+is read only if its checksum is right; another is made anew.
+
+Private names of numba are used here and nowhere else, for the versions that `SUPPORTED` names;
+where they are missing, numba's own cache takes over.
 """
 
+import contextlib
 import functools
+import hashlib
 import logging
+import os
+import pickle
+import platform
+import sys
+import sysconfig
+import tempfile
+import time
+import zlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+import llvmlite
+import numba
+import numpy as np
 from numba import njit, types
-from numba.core import event
+from numba.core import config, event
+
+from loopelastica import __version__
+from loopelastica._files import whole_file
 
 _LOG = logging.getLogger("loopelastica")
 
+# numba's private names are as they are used here from the first on and below the second; the
+# second is also the upper bound of the package's requirement
+SUPPORTED = (0, 61), (0, 69)
 
-class _Teller(event.Listener):  # type: ignore[misc]
-    """Logs that the solver is being compiled, once: nobody should wait for it without a word."""
+# a processor that every one of its architecture can stand for, and what it needs
+PORTABLE = {
+    "x86_64": ("x86-64-v2", ("sse3", "ssse3", "sse4.1", "sse4.2", "popcnt", "cx16")),
+    "aarch64": ("generic", ()),
+}
+_SYNONYMS = {"amd64": "x86_64", "arm64": "aarch64"}
 
-    told = False
+# seconds of compiling after which nobody should wait without a word
+_PATIENCE_S = 2.0
+# sets of compiled code kept in the user's folder
+_KEPT = 8
+_DIGEST = 32
+
+
+class _Announcer(event.Listener):  # type: ignore[misc]
+    """Says once why it takes time, when compiling has taken `_PATIENCE_S` in this process."""
+
+    def __init__(self) -> None:
+        self._depth, self._began, self._spent, self._said = 0, 0.0, 0.0, False
 
     def on_start(self, event: Any) -> None:
-        if not self.told:
-            self.told = True
-            _LOG.info("compiling the solver: once after an installation, half a minute to a minute")
+        if self._depth == 0:
+            self._began = time.perf_counter()
+        self._depth += 1
+        self._announce(self._spent + time.perf_counter() - self._began)
 
     def on_end(self, event: Any) -> None:
-        pass
+        self._depth -= 1
+        if self._depth == 0:
+            self._spent += time.perf_counter() - self._began
+            self._announce(self._spent)
+
+    def _announce(self, spent: float) -> None:
+        if self._said or spent < _PATIENCE_S:
+            return
+        self._said = True
+        kept = "is kept for later runs" if _writable_folder() else "cannot be kept for later runs"
+        # a warning is seen without configuring any logging
+        _LOG.warning(
+            "compiling the solver for this machine, up to a minute; the result %s"
+            " (`loopelastica warm` compiles everything beforehand)",
+            kept,
+        )
 
 
-event.register("numba:compile", _Teller())
+event.register("numba:compile", _Announcer())
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """``function`` compiled at its first call, without the interpreter's lock, and cached on disk.
+    """``function`` compiled at its first call, without the interpreter's lock, and kept on disk.
 
     Numba compiles a function anew for each constant passed to it; that is switched off here, since
     it took a third of the time to compile the solver and made nothing faster. A read-only array is
     another type too: callers hand over copies of what clampings and equilibria protect.
+
+    Numba would also optimize a kernel's code anew inside each kernel that calls it, level by level.
+    Here what is called from a kernel is left as lowered, a part (`_parts`), and optimized once,
+    where a kernel called from Python takes in all its parts.
     """
-    compiled = njit(cache=True, nogil=True, error_model="numpy")(function)
-    specialise = getattr(compiled, "get_call_template", None)
-    if specialise is None:
+    own = _private_names_known()
+    pipelines = _parts() if own else (None, None)
+    whole = njit(nogil=True, error_model="numpy", **_pipeline(pipelines[0]))(function)
+    if not hasattr(whole, "get_call_template"):
         # compilation is switched off: the function is interpreted
-        return compiled
+        return whole
+    part = whole
+    if own:
+        whole._cache = _Cache(function)
+        part = njit(
+            error_model="numpy",
+            no_cpython_wrapper=True,
+            no_cfunc_wrapper=True,
+            **_pipeline(pipelines[1]),
+        )(function)
+    else:
+        # nowhere to write: compiled in memory
+        with contextlib.suppress(RuntimeError):
+            whole.enable_caching()
+    call_whole, overload_of_whole = whole.get_call_template, whole.get_overload
+    call_part, overload_of_part = part.get_call_template, part.get_overload
 
-    def without_constants(args: Any, kws: Any) -> Any:
-        return specialise(
-            tuple(types.unliteral(arg) for arg in args),
-            {name: types.unliteral(arg) for name, arg in kws.items()},
-        )
+    def call(args: Any, kws: Any) -> Any:
+        args = tuple(types.unliteral(arg) for arg in args)
+        kws = {name: types.unliteral(arg) for name, arg in kws.items()}
+        # what Python has called is compiled already
+        return (call_whole if args in whole.overloads else call_part)(args, kws)
 
-    compiled.get_call_template = without_constants
-    return compiled
+    def overload(signature: Any) -> Any:
+        return (overload_of_whole if signature in whole.overloads else overload_of_part)(signature)
+
+    whole.get_call_template, whole.get_overload = call, overload
+    return whole
+
+
+def _pipeline(compiler: Any) -> dict[str, Any]:
+    return {} if compiler is None else {"pipeline_class": compiler}
 
 
 class driver:  # noqa: N801 (a decorator)
@@ -72,3 +164,273 @@ class driver:  # noqa: N801 (a decorator)
     @property
     def _numba_type_(self) -> Any:
         return types.Dispatcher(self._compiled)
+
+
+@functools.cache
+def _private_names_known() -> bool:
+    """Whether numba is a version whose private names are those used here."""
+    try:
+        version = tuple(int(part) for part in numba.__version__.split(".")[:2])
+        from numba.core.codegen import JITCodeLibrary
+        from numba.core.compiler import CompileResult
+        from numba.core.serialize import dumps
+    except (ImportError, ValueError):
+        return False
+    names = ("add_linking_library", "finalize", "get_pointer_to_function", "enable_object_caching")
+    names += ("_optimize_final_module", "_get_module_for_linking", "get_defined_functions")
+    known = callable(dumps) and all(hasattr(JITCodeLibrary, name) for name in names)
+    known = known and hasattr(CompileResult, "_reduce") and hasattr(CompileResult, "_rebuild")
+    return known and SUPPORTED[0] <= version < SUPPORTED[1]
+
+
+@functools.cache
+def _parts() -> tuple[Any, Any]:
+    """Two of numba's compilers: for what Python calls, and for what only kernels call."""
+    from types import SimpleNamespace
+
+    from numba.core.codegen import JITCodeLibrary
+    from numba.core.compiler import CompilerBase, DefaultPassBuilder
+
+    class Whole(JITCodeLibrary):  # type: ignore[misc]
+        """The code of a function called from Python, with all parts that it comes to."""
+
+        def add_linking_library(self, library: Any) -> None:
+            super().add_linking_library(library)
+            if isinstance(library, Part):
+                for part in library._linking_libraries:
+                    super().add_linking_library(part)
+
+        def _optimize_final_module(self) -> None:
+            # what nothing referred to when it was linked was left out: again, until none is missing
+            homes = {
+                function.name: library
+                for library in self._linking_libraries
+                for function in library.get_defined_functions()
+            }
+            while True:
+                missing = dict.fromkeys(
+                    homes[function.name]
+                    for function in self._final_module.functions
+                    if function.is_declaration and function.name in homes
+                )
+                if not missing:
+                    break
+                for library in missing:
+                    self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+            super()._optimize_final_module()
+
+    class Part(Whole):
+        """The code of a function called from compiled code: not optimized, not executable."""
+
+        def finalize(self) -> None:
+            self._finalized = True
+
+        def get_pointer_to_function(self, name: str) -> int:
+            return 0
+
+        @property
+        def codegen(self) -> Any:
+            """Takes the place of what would put constants into the executable."""
+            return SimpleNamespace(set_env=lambda name, env: None)
+
+    def compiler(library: Any) -> Any:
+        class Compiler(CompilerBase):  # type: ignore[misc]
+            def define_pipelines(self) -> Any:
+                codegen, name = self.state.targetctx.codegen(), self.state.func_id.func_qualname
+                self.state.library = library(codegen, name)
+                self.state.library.enable_object_caching()
+                return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+
+        return Compiler
+
+    return compiler(Whole), compiler(Part)
+
+
+class _Cache:
+    """What numba asks of a function's cache: the compiled code of a signature, or None."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._source = Path(function.__code__.co_filename)
+        self._name = f"{self._source.stem}.{function.__qualname__}".replace("<locals>", "")
+
+    @property
+    def cache_path(self) -> str:
+        """Folder that new code goes to."""
+        folder = _writable_folder()
+        return "" if folder is None else str(folder / _key(self._source.parent) / _processor())
+
+    def enable(self) -> None:
+        """It always is."""
+
+    def disable(self) -> None:
+        """It cannot be."""
+
+    def flush(self) -> None:
+        """Nothing is held back."""
+
+    def load_overload(self, signature: Any, target_context: Any) -> Any:
+        """The compiled code of a signature, or None."""
+        from numba.core.compiler import CompileResult
+
+        target_context.refresh()
+        key, file = _key(self._source.parent), self._file(signature)
+        for folder in _folders():
+            for processor in _processors():
+                path = folder / key / processor / file
+                content = _read(path)
+                if content is None:
+                    continue
+                try:
+                    return CompileResult._rebuild(target_context, *pickle.loads(content))
+                except Exception as error:
+                    _drop(path, str(error) or type(error).__name__)
+        return None
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Keep compiled code, if there is anywhere to."""
+        from numba.core.serialize import dumps
+
+        folder = _writable_folder()
+        if folder is None or result.library.has_dynamic_globals or result.lifted:
+            return
+        place = folder / _key(self._source.parent)
+        try:
+            if not place.is_dir():
+                _forget_old(folder)
+            content = zlib.compress(dumps(result._reduce()), 1)
+            with whole_file(place / _processor() / self._file(signature)) as part:
+                part.write_bytes(hashlib.sha256(content).digest() + content)
+        except OSError as error:
+            _cannot_keep(f"{folder}: {error.strerror}")
+
+    def _file(self, signature: Any) -> str:
+        digest = hashlib.sha256(str(signature).encode()).hexdigest()
+        return f"{self._name}-{digest[:12]}.bin"
+
+
+def _read(path: Path) -> bytes | None:
+    """The content of a file of compiled code; None if there is none that is whole."""
+    try:
+        stored = path.read_bytes()
+    except OSError:
+        return None
+    content = stored[_DIGEST:]
+    if hashlib.sha256(content).digest() != stored[:_DIGEST]:
+        _drop(path, "its checksum is wrong")
+        return None
+    return zlib.decompress(content)
+
+
+def _drop(path: Path, reason: str) -> None:
+    _LOG.info("compiled code in %s is made anew: %s", path, reason)
+    with contextlib.suppress(OSError):
+        path.unlink(missing_ok=True)
+
+
+@functools.cache
+def _key(folder: Path) -> str:
+    """Name of the set of compiled code that functions of a folder belong to."""
+    here = Path(__file__).resolve().parent
+    digest = hashlib.sha256()
+    settings = (config.OPT, config.BOUNDSCHECK, config.DEBUGINFO_DEFAULT)
+    versions = (__version__, numba.__version__, llvmlite.__version__, np.__version__)
+    for value in (*versions, *settings, sys.implementation.cache_tag, sysconfig.get_platform()):
+        digest.update(f"{value}\n".encode())
+    for place in dict.fromkeys((here, folder.resolve())):
+        for path in sorted(place.glob("*.py")):
+            content = path.read_bytes()
+            digest.update(f"{path.name} {len(content)}\n".encode())
+            digest.update(content)
+    return digest.hexdigest()[:20]
+
+
+@functools.cache
+def _processor() -> str:
+    """Name of the processor that is compiled for."""
+    architecture = platform.machine().lower()
+    name, features = config.CPU_NAME, config.CPU_FEATURES
+    portable = PORTABLE.get(_SYNONYMS.get(architecture, architecture), ("", ()))[0]
+    if name == portable and features == "":
+        return portable
+    import llvmlite.binding as llvm
+
+    if name is None:
+        name = llvm.get_host_cpu_name()
+    if features is None:
+        features = llvm.get_host_cpu_features().flatten()
+    return f"{name}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
+
+
+@functools.cache
+def _processors() -> tuple[str, ...]:
+    """Names of the processors whose code runs here, the best first."""
+    import llvmlite.binding as llvm
+
+    architecture = platform.machine().lower()
+    portable, needed = PORTABLE.get(_SYNONYMS.get(architecture, architecture), ("", ()))
+    here = llvm.get_host_cpu_features()
+    runs = bool(portable) and all(here.get(feature, False) for feature in needed)
+    return tuple(dict.fromkeys((_processor(), portable) if runs else (_processor(),)))
+
+
+def shipped_folder() -> Path:
+    """Folder of compiled code inside the package."""
+    return Path(__file__).resolve().parents[2] / "_compiled"
+
+
+@functools.cache
+def _folders() -> tuple[Path, ...]:
+    users = user_folder()
+    return (shipped_folder(),) if users is None else (shipped_folder(), users)
+
+
+@functools.cache
+def user_folder() -> Path | None:
+    """The user's folder of compiled code, which need not exist; None where there can be none."""
+    chosen = os.environ.get("LOOPELASTICA_CACHE")
+    if chosen:
+        return Path(chosen).absolute()
+    try:
+        home = Path.home()
+    except RuntimeError:
+        return None
+    if sys.platform == "darwin":
+        return home / "Library" / "Caches" / "loopelastica"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", home)) / "loopelastica" / "Cache"
+    return Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache") / "loopelastica"
+
+
+@functools.cache
+def _writable_folder() -> Path | None:
+    """The user's folder, if files can be made in it; said once if not."""
+    folder = user_folder()
+    if folder is None:
+        _cannot_keep("no home folder")
+        return None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        # whether a file can be made, which permissions alone do not say
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError as error:
+        _cannot_keep(f"{folder}: {error.strerror}")
+        return None
+
+
+@functools.cache
+def _cannot_keep(reason: str) -> None:
+    _LOG.warning(
+        "compiled code cannot be kept (%s); what was not compiled at the installation is compiled"
+        " in memory, in each process anew",
+        reason,
+    )
+
+
+def _forget_old(folder: Path) -> None:
+    """Remove the oldest sets of compiled code, which edits and updates leave behind."""
+    import shutil
+
+    sets = [path for path in folder.iterdir() if path.is_dir()]
+    for path in sorted(sets, key=lambda path: path.stat().st_mtime)[: max(0, len(sets) - _KEPT)]:
+        shutil.rmtree(path, ignore_errors=True)

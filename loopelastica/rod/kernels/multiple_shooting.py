@@ -1,4 +1,4 @@
-"""Multiple shooting: the rod in m segments, polished by Newton's method.
+"""Multiple shooting: the rod in m segments, refined by Newton's method.
 
 Unknown are the loads g = (F, M0) and the poses of the inner nodes; both ends are the clamps. Each
 segment is integrated from its node (``shooting``, K30 = 1, see there) with the local moment
@@ -19,20 +19,69 @@ over the whole rod becomes exp(√F/m) over a segment.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from loopelastica._arrays import Array
 from loopelastica.rod.kernels.jit import kernel
+from loopelastica.rod.kernels.linalg import eliminate
 from loopelastica.rod.kernels.newton import pivoted_step
-from loopelastica.rod.kernels.rotations import larger, rotation_vector, spin, tangent
+from loopelastica.rod.kernels.rotations import (
+    cross,
+    larger,
+    rotation_vector,
+    spin,
+    tangent,
+    turn_in_space,
+)
 from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN, march
 
 _MAX_SEGMENT_STEPS = 60
 _CAP = 0.4
-# mismatch per step left above which none of 250 unrelaxed starts arrived that did arrive
+# mismatch per step left above which none of 250 starts that were not minimized arrived
 _BEHIND = 0.15
 # mismatch on the check mesh below which another Newton step gains nothing
 _SETTLED = 1e-10
+
+
+class Space(NamedTuple):
+    """Room for one segment's integration and its rows."""
+
+    f: Array
+    """Local loads, (6,)."""
+    y: Array
+    """State and variations, (43,)."""
+    k: Array
+    z: Array
+    end_by_node: Array
+    """(6, 6): how the segment's end follows its node."""
+    end_by_loads: Array
+    """(6, 6): how it follows the loads."""
+
+
+class Elimination(NamedTuple):
+    """Room for the elimination over the segments."""
+
+    rows: Array
+    """(12, 19): columns x_k (6), x_k+1 (6), g (6) and the right-hand side."""
+    kept: Array
+    """(m, 6, 19): the eliminated rows of each inner node."""
+    scale: Array
+    """(6,): units of g."""
+
+
+@kernel
+def new_space():
+    """Room for one segment."""
+    return Space(
+        np.empty(6),
+        np.empty(WITH_JACOBIAN),
+        np.empty(12 * WITH_JACOBIAN),
+        np.empty(WITH_JACOBIAN),
+        np.empty((6, 6)),
+        np.empty((6, 6)),
+    )
 
 
 @kernel
@@ -45,22 +94,23 @@ def _steps(f, h, density):
 
 
 @kernel
-def end_clamp(quaternion, torsion_ratio, free_spin, g, q):
+def end_clamp(problem, g, q):
     """Last frame without the extra spin of K30 ≠ 1, into ``q``; g[5] is M3 or the free turn."""
     for c in range(4):
-        q[c] = quaternion[c]
-    if free_spin:
+        q[c] = problem.quaternion[c]
+    if problem.free_spin:
         spin(q, g[5])
     else:
-        spin(q, -g[5] * (1.0 / torsion_ratio - 1.0))
+        spin(q, -g[5] * (1.0 / problem.torsion_ratio - 1.0))
 
 
 @kernel
-def _integrate(g, free_spin, node, h, density, size, f, y, k, z):
-    """The end of one segment from its node (7,), into ``y`` (positions relative to the node).
+def integrate_segment(g, free_spin, node, h, density, size, space):
+    """The end of one segment from its node (7,), into ``space.y`` (positions from the node).
 
-    ``f`` (6,) becomes the local loads. Returns the number of steps.
+    ``space.f`` becomes the local loads. Returns the number of steps.
     """
+    f, y = space.f, space.y
     for c in range(3):
         f[c] = g[c]
     m3 = 0.0 if free_spin else g[5]
@@ -73,22 +123,23 @@ def _integrate(g, free_spin, node, h, density, size, f, y, k, z):
         y[3 + c] = node[3 + c]
     steps = _steps(f, h, density)
     if steps <= _MAX_SEGMENT_STEPS:
-        march(f, y, h, steps, size, k, z)
+        march(f, y, h, steps, size, space.k, space.z)
     return steps
 
 
 @kernel
-def gaps(g, torsion_ratio, free_spin, node_s, node_pose, density, f, y, k, z):
+def mismatch(problem, nodes, g, density, space):
     """Largest mismatch (position, rotation vector) between segments' ends and next nodes.
 
     Also returns the energy, from h − F·Δr of each segment: with the clamps' distance in place of
     the sum of Δr the mismatch, times F, would be an error of an energy that may be tiny.
     """
+    free_spin, node_pose, f, y = problem.free_spin, nodes.pose, space.f, space.y
     m3 = 0.0 if free_spin else g[5]
-    worst, energy = 0.0, 0.5 * m3 * m3 * (1.0 / torsion_ratio - 1.0)
-    for i in range(node_s.shape[0] - 1):
-        h = node_s[i + 1] - node_s[i]
-        if _integrate(g, free_spin, node_pose[i], h, density, POSE, f, y, k, z) > 4000:
+    worst, energy = 0.0, 0.5 * m3 * m3 * (1.0 / problem.torsion_ratio - 1.0)
+    for i in range(nodes.s.shape[0] - 1):
+        h = nodes.s[i + 1] - nodes.s[i]
+        if integrate_segment(g, free_spin, node_pose[i], h, density, POSE, space) > 4000:
             return math.inf, math.inf
         a, b, c = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
         worst = larger(larger(larger(worst, abs(a)), abs(b)), abs(c))
@@ -104,13 +155,9 @@ def gaps(g, torsion_ratio, free_spin, node_s, node_pose, density, f, y, k, z):
 
 
 @kernel
-def _cross(ax, ay, az, bx, by, bz):
-    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-
-
-@kernel
-def _rows(y, f, node, t, b):
-    """Segment matrices from its variations: end = t x_k + b g, x = (δθ, δr); (6, 6) each."""
+def segment_rows(node, space):
+    """Matrices of a segment from its variations: end = t x_k + b g, x = (δθ, δr)."""
+    f, y, t, b = space.f, space.y, space.end_by_node, space.end_by_loads
     rho = y[:3]
     for i in range(6):
         for j in range(6):
@@ -119,11 +166,11 @@ def _rows(y, f, node, t, b):
     for j in range(3):
         ux, uy, uz = (1.0 if j == 0 else 0.0), (1.0 if j == 1 else 0.0), (1.0 if j == 2 else 0.0)
         # δθ_j: turned loads −u × F, −u × M; the end moves by u × ρ
-        fx, fy, fz = _cross(f[0], f[1], f[2], ux, uy, uz)
-        mx, my, mz = _cross(f[3], f[4], f[5], ux, uy, uz)
+        fx, fy, fz = cross(f[0], f[1], f[2], ux, uy, uz)
+        mx, my, mz = cross(f[3], f[4], f[5], ux, uy, uz)
         # δr_j: δM = F × u
-        nx, ny, nz = _cross(f[0], f[1], f[2], ux, uy, uz)
-        sx, sy, sz = _cross(ux, uy, uz, rho[0], rho[1], rho[2])
+        nx, ny, nz = cross(f[0], f[1], f[2], ux, uy, uz)
+        sx, sy, sz = cross(ux, uy, uz, rho[0], rho[1], rho[2])
         for i in range(6):
             t[i, j] += (
                 b[i, 0] * fx + b[i, 1] * fy + b[i, 2] * fz
@@ -136,71 +183,54 @@ def _rows(y, f, node, t, b):
     for j in range(3):
         # δF_j also changes the local moment by u × r_k
         ux, uy, uz = (1.0 if j == 0 else 0.0), (1.0 if j == 1 else 0.0), (1.0 if j == 2 else 0.0)
-        mx, my, mz = _cross(ux, uy, uz, node[0], node[1], node[2])
+        mx, my, mz = cross(ux, uy, uz, node[0], node[1], node[2])
         for i in range(6):
             b[i, j] += b[i, 3] * mx + b[i, 4] * my + b[i, 5] * mz
 
 
 @kernel
-def forward(g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k, z, t, b):
-    """Eliminate the inner nodes; rows in (x_m, g) remain in ``work[:6]``. Returns the mismatch."""
+def forward(nodes, g, free_spin, density, room, space):
+    """Eliminate the inner nodes; rows in (x_m, g) remain in ``room.rows[:6]``.
+
+    Returns the mismatch, inf where a segment is too stiff or the rows are singular.
+    """
+    rows, kept, scale = room.rows, room.kept, room.scale
+    node_pose, y = nodes.pose, space.y
     worst = 0.0
     rest = np.empty(6)
-    for i in range(node_s.shape[0] - 1):
-        h = node_s[i + 1] - node_s[i]
-        steps = _integrate(g, free_spin, node_pose[i], h, density, WITH_JACOBIAN, f, y, k, z)
+    for i in range(nodes.s.shape[0] - 1):
+        h = nodes.s[i + 1] - nodes.s[i]
+        steps = integrate_segment(g, free_spin, node_pose[i], h, density, WITH_JACOBIAN, space)
         if steps > _MAX_SEGMENT_STEPS:
             return math.inf
         rest[0], rest[1], rest[2] = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
         for c in range(3):
             rest[3 + c] = node_pose[i, c] + y[c] - node_pose[i + 1, c]
-        _rows(y, f, node_pose[i], t, b)
-        # columns: x_k (6), x_k+1 (6), g (6), right-hand side; rows 0–5 carried, 6–11 new
+        segment_rows(node_pose[i], space)
+        # rows 0–5 are carried, 6–11 new
         for r in range(6):
             worst = larger(worst, abs(rest[r]))
             if free_spin:
-                b[r, 5] = 0.0
+                space.end_by_loads[r, 5] = 0.0
             for c in range(6):
-                work[6 + r, c] = t[r, c]
-                work[6 + r, 6 + c] = -1.0 if r == c else 0.0
-                work[6 + r, 12 + c] = b[r, c] * scale[c]
-            work[6 + r, 18] = -rest[r]
+                rows[6 + r, c] = space.end_by_node[r, c]
+                rows[6 + r, 6 + c] = -1.0 if r == c else 0.0
+                rows[6 + r, 12 + c] = space.end_by_loads[r, c] * scale[c]
+            rows[6 + r, 18] = -rest[r]
         if i > 0:
-            if not _pivot(work):
+            if eliminate(rows, 12, 6, 19, 1e-300) == 0.0:
                 return math.inf
             for p in range(6):
                 for c in range(19):
-                    kept[i, p, c] = work[p, c]
+                    kept[i, p, c] = rows[p, c]
         # what remains are rows in (x_k+1, g): carry them
         for r in range(6):
             for c in range(6):
-                work[r, c] = work[6 + r, 6 + c]
-                work[r, 6 + c] = 0.0
-                work[r, 12 + c] = work[6 + r, 12 + c]
-            work[r, 18] = work[6 + r, 18]
+                rows[r, c] = rows[6 + r, 6 + c]
+                rows[r, 6 + c] = 0.0
+                rows[r, 12 + c] = rows[6 + r, 12 + c]
+            rows[r, 18] = rows[6 + r, 18]
     return worst if worst == worst else math.inf
-
-
-@kernel
-def _pivot(work):
-    """Eliminate the first six columns of ``work`` (12, 19) by partial pivoting; False if none."""
-    for p in range(6):
-        best = p
-        for r in range(p + 1, 12):
-            if abs(work[r, p]) > abs(work[best, p]):
-                best = r
-        if best != p:
-            for c in range(p, 19):
-                work[p, c], work[best, c] = work[best, c], work[p, c]
-        pivot = work[p, p]
-        if not abs(pivot) > 1e-300:
-            return False
-        for r in range(p + 1, 12):
-            factor = work[r, p] / pivot
-            if factor != 0.0:
-                for c in range(p + 1, 19):
-                    work[r, c] -= factor * work[p, c]
-    return True
 
 
 @kernel
@@ -221,26 +251,23 @@ def backward(kept, last, du, x):
 
 
 @kernel
-def _linear(
-    g, quaternion, torsion_ratio, free_spin, node_s, node_pose, density, scale,
-    drop, work, kept, f, y, k, z, x, dg,
-):  # fmt: skip
+def _newton_step(problem, nodes, g, density, drop, room, space, x, dg):
     """Newton step: nodes ``x`` (m + 1, 6), loads ``dg`` (6,). Returns the mismatch before it."""
-    m = node_s.shape[0] - 1
-    t, b = np.empty((6, 6)), np.empty((6, 6))
-    worst = forward(g, free_spin, node_s, node_pose, density, scale, work, kept, f, y, k, z, t, b)
+    rows, scale = room.rows, room.scale
+    m = nodes.s.shape[0] - 1
+    worst = forward(nodes, g, problem.free_spin, density, room, space)
     if worst == math.inf:
         return math.inf
     # the last node is the clamp: it turns about its tangent with g[5] alone
-    tx, ty, tz = tangent(node_pose[m, 3:])
-    rate = 1.0 if free_spin else -(1.0 / torsion_ratio - 1.0)
-    last, right, ones, end = np.empty((6, 6)), np.empty(6), np.empty(6), np.zeros(6)
+    tx, ty, tz = tangent(nodes.pose[m, 3:])
+    rate = 1.0 if problem.free_spin else -(1.0 / problem.torsion_ratio - 1.0)
+    last, rest, ones, end = np.empty((6, 6)), np.empty(6), np.empty(6), np.zeros(6)
     for r in range(6):
         ones[r] = 1.0
         for c in range(6):
-            last[r, c] = work[r, 12 + c]
-        last[r, 5] += rate * scale[5] * (work[r, 0] * tx + work[r, 1] * ty + work[r, 2] * tz)
-        right[r] = -work[r, 18]
+            last[r, c] = rows[r, 12 + c]
+        last[r, 5] += rate * scale[5] * (rows[r, 0] * tx + rows[r, 1] * ty + rows[r, 2] * tz)
+        rest[r] = -rows[r, 18]
         # equilibrate the rows
         size = 0.0
         for c in range(6):
@@ -248,57 +275,43 @@ def _linear(
         size = max(size, 1e-300)
         for c in range(6):
             last[r, c] /= size
-        right[r] /= size
-    pivoted_step(last, right, ones, t, dg, drop)
+        rest[r] /= size
+    pivoted_step(last, rest, ones, drop, dg)
     turn = rate * scale[5] * dg[5]
     end[0], end[1], end[2] = turn * tx, turn * ty, turn * tz
-    backward(kept, end, dg, x)
+    backward(room.kept, end, dg, x)
     for c in range(6):
         dg[c] *= scale[c]
     return worst
 
 
 @kernel
-def apply(x, dg, t, g, node_pose, quaternion, torsion_ratio, free_spin):
+def apply(problem, nodes, g, x, dg, t):
     """Move nodes and loads by the fraction ``t`` of the step."""
+    node_pose = nodes.pose
     m = node_pose.shape[0] - 1
     for c in range(6):
         g[c] += t * dg[c]
     for i in range(1, m):
-        vx, vy, vz = t * x[i, 0], t * x[i, 1], t * x[i, 2]
-        a = math.sqrt(vx * vx + vy * vy + vz * vz)
-        s = math.sin(0.5 * a) / a if a > 1e-8 else 0.5
-        cw, px, py, pz = math.cos(0.5 * a), s * vx, s * vy, s * vz
-        q = node_pose[i, 3:]
-        w, u, v, n = q[0], q[1], q[2], q[3]
-        # exp(δθ) q
-        q[0] = cw * w - px * u - py * v - pz * n
-        q[1] = cw * u + px * w + py * n - pz * v
-        q[2] = cw * v - px * n + py * w + pz * u
-        q[3] = cw * n + px * v - py * u + pz * w
-        norm = 1.0 / math.sqrt(q[0] ** 2 + q[1] ** 2 + q[2] ** 2 + q[3] ** 2)
-        for c in range(4):
-            q[c] *= norm
+        turn_in_space(node_pose[i, 3:], t * x[i, 0], t * x[i, 1], t * x[i, 2])
         for c in range(3):
             node_pose[i, c] += t * x[i, 3 + c]
-    end_clamp(quaternion, torsion_ratio, free_spin, g, node_pose[m, 3:])
+    end_clamp(problem, g, node_pose[m, 3:])
 
 
 @kernel
-def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, iterations):
+def refine(problem, nodes, g, drop, iterations):
     """Newton's method on nodes and loads, in place.
 
-    ``node_pose`` (m + 1, 7) starts at the identity and ends at the clamp's position; ``g`` (6,) is
+    ``nodes.pose`` (m + 1, 7) starts at the identity and ends at the clamp's position; ``g`` (6,) is
     F and M0, its last entry being the end's free turn if ``free_spin``. Load directions with pivots
     below ``drop`` stay put. Returns (residual, energy, iterations): the mismatch by a
     mesh with other steps, infinite if there is no convergence in ``iterations``.
     """
-    m = node_s.shape[0] - 1
-    work, kept = np.zeros((12, 19)), np.empty((m, 6, 19))
-    f, dg, scale = np.empty(6), np.empty(6), np.empty(6)
-    y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
-    x = np.empty((m + 1, 6))
-    end_clamp(quaternion, torsion_ratio, free_spin, g, node_pose[m, 3:])
+    m = nodes.s.shape[0] - 1
+    room = Elimination(np.zeros((12, 19)), np.empty((m, 6, 19)), np.empty(6))
+    scale, space, dg, x = room.scale, new_space(), np.empty(6), np.empty((m + 1, 6))
+    end_clamp(problem, g, nodes.pose[m, 3:])
     density = 1.0
     best = math.inf
     stalled = 0
@@ -308,13 +321,10 @@ def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, ite
         for c in range(3):
             scale[c] = force
             scale[3 + c] = math.sqrt(force)
-        if free_spin:
+        if problem.free_spin:
             scale[5] = 1.0
         previous = worst
-        worst = _linear(
-            g, quaternion, torsion_ratio, free_spin, node_s, node_pose, density, scale,
-            drop, work, kept, f, y, k, z, x, dg,
-        )  # fmt: skip
+        worst = _newton_step(problem, nodes, g, density, drop, room, space, x, dg)
         if worst > _BEHIND * (iterations - iteration):
             return math.inf, math.inf, iteration
         size = 0.0
@@ -332,10 +342,7 @@ def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, ite
         fine = density > 2.0
         if fine and (worst < 1e-13 or (worst < 1e-10 and worst > 0.1 * previous)):
             break
-        apply(
-            x, dg, min(1.0, _CAP / max(size, 1e-300)), g, node_pose,
-            quaternion, torsion_ratio, free_spin,
-        )  # fmt: skip
+        apply(problem, nodes, g, x, dg, min(1.0, _CAP / max(size, 1e-300)))
         if worst < best:
             best, stalled = worst, 0
         else:
@@ -348,8 +355,8 @@ def polish(quaternion, torsion_ratio, free_spin, node_s, node_pose, g, drop, ite
         elif fine and worst < 1e-7:
             # where convergence is quadratic, what is left is rounding; along a soft direction it
             # is not, and the loop goes on
-            residual, energy = gaps(g, torsion_ratio, free_spin, node_s, node_pose, 4.6, f, y, k, z)
+            residual, energy = mismatch(problem, nodes, g, 4.6, space)
             if residual < _SETTLED:
                 return residual, energy, iteration + 1
-    residual, energy = gaps(g, torsion_ratio, free_spin, node_s, node_pose, 4.6, f, y, k, z)
+    residual, energy = mismatch(problem, nodes, g, 4.6, space)
     return residual, energy, iteration + 1

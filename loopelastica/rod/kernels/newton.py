@@ -18,7 +18,10 @@ import math
 import numpy as np
 
 from loopelastica.rod.kernels.jit import kernel
+from loopelastica.rod.kernels.linalg import solve_deficient
+from loopelastica.rod.kernels.records import Status
 from loopelastica.rod.kernels.rotations import (
+    directors,
     larger,
     log_jacobian_inverse,
     rotation_vector,
@@ -26,11 +29,14 @@ from loopelastica.rod.kernels.rotations import (
 )
 from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN, moment_bound, shoot, step_count
 
-CONVERGED, STALLED, TOO_MANY_ITERATIONS, TOO_STIFF, CHECK_FAILED = 0, 1, 2, 3, 4
+# plain numbers: compiling an enumeration's members takes longer
+CONVERGED, STALLED = int(Status.CONVERGED), int(Status.STALLED)
+TOO_MANY_ITERATIONS, TOO_STIFF = int(Status.TOO_MANY_ITERATIONS), int(Status.TOO_STIFF)
+CHECK_FAILED = int(Status.CHECK_FAILED)
 
 # steps per radian of turning: while searching and when polishing; largest mesh errors over loads up
 # to |F| = 60, |M| = 12 are 2e-4, 1e-7 and 1e-9, their medians 1e-5, 2e-9 and 3e-11
-_COARSE, _MEDIUM, _FINE = 0.45, 1.4, 2.5
+_COARSE, _MEDIUM, _FINE, _CHECK = 0.45, 1.4, 2.5, 4.0
 # the coarse mesh is trusted down to here
 _SWITCH = 1e-3
 # steps with its last Jacobian, and the error from which one more is expected to be the last
@@ -44,8 +50,9 @@ _MAX_RATE = 80.0
 
 
 @kernel
-def end_error(y, position, quaternion, free_spin, m3, e, jacobian, with_jacobian):
-    """Residual ``e`` (6,) of the end state ``y`` and, if asked, its ``jacobian`` (6, 6)."""
+def end_error(problem, y, m3, e, jacobian, with_jacobian):
+    """Residual ``e`` (6,) of the end state ``y`` and, on request, its ``jacobian`` (6, 6)."""
+    position, quaternion = problem.position, problem.quaternion
     for c in range(3):
         e[c] = y[c] - position[c]
     if with_jacobian:
@@ -53,13 +60,10 @@ def end_error(y, position, quaternion, free_spin, m3, e, jacobian, with_jacobian
             for j in range(6):
                 jacobian[c, j] = y[25 + 6 * c + j]
     q = y[3:POSE]
-    if free_spin:
+    if problem.free_spin:
         # tangent and target directors
         tx, ty, tz = tangent(q)
-        w, x, v, z = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
-        ax, ay, az = 1.0 - 2.0 * (v * v + z * z), 2.0 * (x * v + w * z), 2.0 * (x * z - w * v)
-        cx, cy, cz = tangent(quaternion)
-        bx, by, bz = cy * az - cz * ay, cz * ax - cx * az, cx * ay - cy * ax
+        ax, ay, az, bx, by, bz, cx, cy, cz = directors(quaternion)
         t1 = tx * ax + ty * ay + tz * az
         t2 = tx * bx + ty * by + tz * bz
         denominator = max(1.0 + tx * cx + ty * cy + tz * cz, 1e-12)
@@ -139,50 +143,16 @@ def marquardt_step(jacobian, e, scale, nu, a, d):
 
 
 @kernel
-def pivoted_step(jacobian, e, scale, a, d, drop):
-    """Newton step −J⁻¹e by complete pivoting; directions with pivots below ``drop`` stay put."""
-    n = 6
-    order, rhs = np.empty(n, np.int64), np.empty(n)
-    for i in range(n):
-        order[i], rhs[i] = i, -e[i]
-        for j in range(n):
+def pivoted_step(jacobian, e, scale, drop, d):
+    """Newton step d = −J⁻¹e; directions with pivots below ``drop`` stay put."""
+    a, x = np.empty((6, 7)), np.empty((1, 6))
+    for i in range(6):
+        for j in range(6):
             a[i, j] = jacobian[i, j] * scale[j]
-    first = 0.0
-    rank = n
-    for p in range(n):
-        best, bi, bj = -1.0, p, p
-        for i in range(p, n):
-            for j in range(p, n):
-                if abs(a[i, j]) > best:
-                    best, bi, bj = abs(a[i, j]), i, j
-        if p == 0:
-            first = best
-        if not best > drop * first:
-            rank = p
-            break
-        if bi != p:
-            for j in range(n):
-                a[p, j], a[bi, j] = a[bi, j], a[p, j]
-            rhs[p], rhs[bi] = rhs[bi], rhs[p]
-        if bj != p:
-            for i in range(n):
-                a[i, p], a[i, bj] = a[i, bj], a[i, p]
-            order[p], order[bj] = order[bj], order[p]
-        for i in range(p + 1, n):
-            factor = a[i, p] / a[p, p]
-            for j in range(p, n):
-                a[i, j] -= factor * a[p, j]
-            rhs[i] -= factor * rhs[p]
-    for i in range(n):
-        d[i] = 0.0
-    for i in range(rank - 1, -1, -1):
-        total = rhs[i]
-        for j in range(i + 1, rank):
-            total -= a[i, j] * d[order[j]]
-        d[order[i]] = total / a[i, i]
-    for i in range(n):
-        d[i] *= scale[i]
-    return rank
+        a[i, 6] = -e[i]
+    solve_deficient(a, 6, 6, 1, drop, x)
+    for i in range(6):
+        d[i] = x[0, i] * scale[i]
 
 
 @kernel
@@ -195,9 +165,7 @@ def _scales(f, scale):
 
 
 @kernel
-def _search(
-    f, position, quaternion, torsion_ratio, free_spin, most, y, k, z, e, jacobian
-):  # fmt: skip
+def _search(problem, f, most, y, k, z, e, jacobian):
     """Levenberg–Marquardt on the coarse mesh down to ``_SWITCH``; f, e and jacobian in place.
 
     Takes ``most`` steps, and more as long as each halves the error. Returns status and iterations.
@@ -205,8 +173,8 @@ def _search(
     a, d, scale = np.empty((6, 6)), np.empty(6), np.empty(6)
     trial, trial_e, trial_jacobian = np.empty(6), np.empty(6), np.empty((6, 6))
     nu, growth = 1e-3, 2.0
-    shoot(f, torsion_ratio, step_count(f, _COARSE), WITH_JACOBIAN, y, k, z)
-    end_error(y, position, quaternion, free_spin, f[5], e, jacobian, True)
+    shoot(f, problem.torsion_ratio, step_count(f, _COARSE), WITH_JACOBIAN, y, k, z)
+    end_error(problem, y, f[5], e, jacobian, True)
     cost, before = _squares(e), math.inf
     iteration = 0
     while iteration < most or cost < 0.25 * before:
@@ -224,14 +192,14 @@ def _search(
                 for j in range(6):
                     row += jacobian[c, j] * d[j]
                 predicted += e[c] * e[c] - row * row
-            if free_spin:
+            if problem.free_spin:
                 trial[5] = 0.0
             if moment_bound(trial) < _MAX_RATE:
                 # most steps are accepted, so the Jacobian comes along
-                shoot(trial, torsion_ratio, step_count(trial, _COARSE), WITH_JACOBIAN, y, k, z)
-                end_error(
-                    y, position, quaternion, free_spin, trial[5], trial_e, trial_jacobian, True
+                shoot(
+                    trial, problem.torsion_ratio, step_count(trial, _COARSE), WITH_JACOBIAN, y, k, z
                 )
+                end_error(problem, y, trial[5], trial_e, trial_jacobian, True)
                 gain = (cost - _squares(trial_e)) / max(predicted, 1e-300)
         if gain > 1e-4:
             slowed = cost - _squares(trial_e) < 1e-3 * cost and _largest(trial_e) > 100.0 * _SWITCH
@@ -253,22 +221,20 @@ def _search(
 
 
 @kernel
-def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance, most):
-    """Drive the loads ``f`` (6,) to the clamping, in place; ``most`` as in `_search`.
+def newton(problem, f, most):
+    """Drive the loads ``f`` (6,) to the problem's clamping, in place; ``most`` as in `_search`.
 
     Returns (status, residual, iterations, y) with the residual of the check mesh and the end
     state (7,) there.
     """
     y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
-    a, d, scale = np.empty((6, 6)), np.empty(6), np.empty(6)
+    d, scale = np.empty(6), np.empty(6)
     e, jacobian = np.empty(6), np.empty((6, 6))
-    if free_spin:
+    if problem.free_spin:
         f[5] = 0.0
     if not moment_bound(f) < _MAX_RATE:
         return TOO_STIFF, math.inf, 0, y[:POSE]
-    status, iterations = _search(
-        f, position, quaternion, torsion_ratio, free_spin, most, y, k, z, e, jacobian
-    )
+    status, iterations = _search(problem, f, most, y, k, z, e, jacobian)
     if status != CONVERGED:
         return status, _largest(e), iterations, y[:POSE]
     # the coarse Jacobian serves for all steps that are left: each gains three digits or more
@@ -281,22 +247,34 @@ def newton(f, position, quaternion, torsion_ratio, free_spin, tolerance, most):
         steps = step_count(f, _FINE if judged or chord > 0 else _MEDIUM)
         if judged:
             steps += steps // 4 + 1 + chord
-        pivoted_step(jacobian, e, scale, a, d, _DROP)
+        pivoted_step(jacobian, e, scale, _DROP, d)
         for c in range(6):
             f[c] += d[c]
-        if free_spin:
+        if problem.free_spin:
             f[5] = 0.0
-        shoot(f, torsion_ratio, steps, POSE, y, k, z)
-        end_error(y, position, quaternion, free_spin, f[5], e, jacobian, False)
+        shoot(f, problem.torsion_ratio, steps, POSE, y, k, z)
+        end_error(problem, y, f[5], e, jacobian, False)
         iterations += 1
         previous, worst = worst, _largest(e)
-        if judged and worst < _SURE * tolerance:
+        if judged and worst < _SURE * problem.tolerance:
             break
         # the first is seen on another mesh than the search's
         if chord > 0 and not worst < 0.3 * previous:
             break
-    status = CONVERGED if judged and worst < tolerance else CHECK_FAILED
+    status = CONVERGED if judged and worst < problem.tolerance else CHECK_FAILED
     return status, worst, iterations, y[:POSE]
+
+
+@kernel
+def shot_error(problem, f):
+    """Largest end error of one shot with the loads ``f`` (6,); inf where it cannot be told."""
+    y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
+    e, jacobian = np.empty(6), np.empty((6, 6))
+    if not moment_bound(f) < _MAX_RATE:
+        return math.inf
+    shoot(f, problem.torsion_ratio, step_count(f, _CHECK), POSE, y, k, z)
+    end_error(problem, y, f[5], e, jacobian, False)
+    return _largest(e)
 
 
 @kernel

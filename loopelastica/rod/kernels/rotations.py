@@ -18,6 +18,107 @@ def larger(a, b):
 
 
 @kernel
+def product(p0, p1, p2, p3, q0, q1, q2, q3):
+    """Quaternion product p q, as four floats."""
+    return (
+        p0 * q0 - p1 * q1 - p2 * q2 - p3 * q3,
+        p0 * q1 + p1 * q0 + p2 * q3 - p3 * q2,
+        p0 * q2 - p1 * q3 + p2 * q0 + p3 * q1,
+        p0 * q3 + p1 * q2 - p2 * q1 + p3 * q0,
+    )
+
+
+@kernel
+def multiply(p, q, out):
+    """Quaternion product p q of arrays (4,) into ``out``."""
+    out[0], out[1], out[2], out[3] = product(p[0], p[1], p[2], p[3], q[0], q[1], q[2], q[3])
+
+
+@kernel
+def relative(p, q, out):
+    """Quaternion product p* q into ``out``: q as seen from p."""
+    out[0], out[1], out[2], out[3] = product(p[0], -p[1], -p[2], -p[3], q[0], q[1], q[2], q[3])
+
+
+@kernel
+def exponential(x, y, z):
+    """Quaternion (w, x, y, z) of the turn by a rotation vector."""
+    a2 = x * x + y * y + z * z
+    a = math.sqrt(a2)
+    s = math.sin(0.5 * a) / a if a > 1e-8 else 0.5 - a2 / 48.0
+    return math.cos(0.5 * a), s * x, s * y, s * z
+
+
+@kernel
+def logarithm(w, x, y, z):
+    """Rotation vector (3 floats), |v| ≤ π, of a unit quaternion of either sign."""
+    if w < 0.0:
+        w, x, y, z = -w, -x, -y, -z
+    s = math.sqrt(x * x + y * y + z * z)
+    # 2 atan2(s, w)/s -> 2 as s -> 0; its series is exact to rounding below 1e-5
+    factor = 2.0 * math.atan2(s, w) / s if s > 1e-5 else 2.0 / w * (1.0 - s * s / (3.0 * w * w))
+    return factor * x, factor * y, factor * z
+
+
+@kernel
+def turn(q, x, y, z):
+    """Turn the frame ``q`` by the rotation vector (x, y, z) of its own frame, in place."""
+    c, px, py, pz = exponential(x, y, z)
+    w, x, y, z = product(q[0], q[1], q[2], q[3], c, px, py, pz)
+    norm = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+    q[0], q[1], q[2], q[3] = norm * w, norm * x, norm * y, norm * z
+
+
+@kernel
+def turn_in_space(q, x, y, z):
+    """Turn the frame ``q`` by the rotation vector (x, y, z) of space, in place."""
+    c, px, py, pz = exponential(x, y, z)
+    w, x, y, z = product(c, px, py, pz, q[0], q[1], q[2], q[3])
+    norm = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+    q[0], q[1], q[2], q[3] = norm * w, norm * x, norm * y, norm * z
+
+
+@kernel
+def about_axis(x, y, z, angle, out):
+    """Quaternion of a turn by ``angle`` about the unit vector (x, y, z), into ``out``."""
+    s = math.sin(0.5 * angle)
+    out[0], out[1], out[2], out[3] = math.cos(0.5 * angle), s * x, s * y, s * z
+
+
+@kernel
+def align(ex, ey, ez, out):
+    """Shortest rotation that carries e3 to the unit vector e, as a quaternion into ``out``."""
+    if ez > -0.999999:
+        norm = math.sqrt(2.0 * (1.0 + ez))
+        out[0], out[1], out[2], out[3] = 0.5 * norm, -ey / norm, ex / norm, 0.0
+    else:
+        # e is opposite: turn about an axis across, here d1, first
+        norm = math.sqrt(2.0 * (1.0 - ez))
+        out[0], out[1], out[2], out[3] = -ey / norm, 0.5 * norm, 0.0, ex / norm
+
+
+@kernel
+def zyz_angles(w, x, y, z):
+    """ZYZ angles (φ, α, χ) of a quaternion, accurate at α = 0 and π too."""
+    alpha = 2.0 * math.atan2(math.sqrt(x * x + y * y), math.sqrt(w * w + z * z))
+    total = 2.0 * math.atan2(z, w)
+    difference = 2.0 * math.atan2(-x, y)
+    return 0.5 * (total + difference), alpha, 0.5 * (total - difference)
+
+
+@kernel
+def wrap(angle):
+    """The angle modulo 2π in [−π, π)."""
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+
+
+@kernel
+def cross(ax, ay, az, bx, by, bz):
+    """Cross product a × b, as three floats."""
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+
+
+@kernel
 def quaternion_from_matrix(r):
     """Unit quaternion of a rotation matrix (3, 3), by the largest of its four components."""
     q = np.empty(4)
@@ -88,19 +189,10 @@ def spin(q, angle):
 def rotation_vector(q, p):
     """Rotation vector (space frame) that carries the frame ``p`` to the frame ``q``.
 
-    Returns the vector v with R_q = exp([v]) R_p, |v| ≤ π, and the quaternion's scalar part.
+    Returns the vector v with R_q = exp([v]) R_p, |v| ≤ π, as three floats.
     """
-    # q p* with the sign that makes the angle at most pi
-    w = q[0] * p[0] + q[1] * p[1] + q[2] * p[2] + q[3] * p[3]
-    x = -q[0] * p[1] + q[1] * p[0] - q[2] * p[3] + q[3] * p[2]
-    y = -q[0] * p[2] + q[2] * p[0] - q[3] * p[1] + q[1] * p[3]
-    z = -q[0] * p[3] + q[3] * p[0] - q[1] * p[2] + q[2] * p[1]
-    if w < 0.0:
-        w, x, y, z = -w, -x, -y, -z
-    s = math.sqrt(x * x + y * y + z * z)
-    # 2 atan2(s, w)/s -> 2 as s -> 0; its series is exact to rounding below 1e-5
-    factor = 2.0 * math.atan2(s, w) / s if s > 1e-5 else 2.0 / w * (1.0 - s * s / (3.0 * w * w))
-    return factor * x, factor * y, factor * z
+    # the product q p*
+    return logarithm(*product(q[0], q[1], q[2], q[3], p[0], -p[1], -p[2], -p[3]))
 
 
 @kernel

@@ -19,35 +19,16 @@ import math
 
 import numpy as np
 
-from loopelastica.rod.kernels.discrete_rod import assemble, factor, measure, negative_eigenvalues
+from loopelastica.rod.kernels.discrete_rod import assemble, factor, measure, new_hessian
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.multiple_shooting import _integrate, _rows
+from loopelastica.rod.kernels.linalg import eliminate, negative_eigenvalues
+from loopelastica.rod.kernels.multiple_shooting import (
+    integrate_segment,
+    new_space,
+    segment_rows,
+)
 from loopelastica.rod.kernels.rotations import matrix_from_quaternion
 from loopelastica.rod.kernels.shooting import WITH_JACOBIAN
-
-
-@kernel
-def _sign_of_determinant(a, n):
-    """Sign of det of the leading n × n block, by elimination with partial pivoting, in place."""
-    sign = 1.0
-    for p in range(n):
-        best = p
-        for i in range(p + 1, n):
-            if abs(a[i, p]) > abs(a[best, p]):
-                best = i
-        if a[best, p] == 0.0:
-            return 0.0
-        if best != p:
-            sign = -sign
-            for j in range(n):
-                a[p, j], a[best, j] = a[best, j], a[p, j]
-        if a[p, p] < 0.0:
-            sign = -sign
-        for i in range(p + 1, n):
-            factor = a[i, p] / a[p, p]
-            for j in range(p, n):
-                a[i, j] -= factor * a[p, j]
-    return sign
 
 
 @kernel
@@ -57,16 +38,15 @@ def sign_changes(loads, torsion_ratio, free_spin, s, poses):
     ``poses`` (n, 7) without the extra spin of K30 ≠ 1, from s = 0 on. Near the start det V grows
     like a power of s without changing sign: points before 0.02 are left out.
     """
-    v, t, b, work = np.zeros((6, 6)), np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
-    f = np.empty(6)
-    y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
+    v, work, space = np.zeros((6, 6)), np.empty((6, 6)), new_space()
+    t, b = space.end_by_node, space.end_by_loads
     excess = 0.0 if free_spin else 1.0 / torsion_ratio - 1.0
     previous, changes = 0.0, 0
     scale_f = max(10.0, math.sqrt(loads[0] ** 2 + loads[1] ** 2 + loads[2] ** 2))
     for i in range(s.shape[0] - 1):
         # M3 is in loads[5] in either case: it is zero for a free spin
-        _integrate(loads, False, poses[i], s[i + 1] - s[i], 3.0, WITH_JACOBIAN, f, y, k, z)
-        _rows(y, f, poses[i], t, b)
+        integrate_segment(loads, False, poses[i], s[i + 1] - s[i], 3.0, WITH_JACOBIAN, space)
+        segment_rows(poses[i], space)
         for r in range(6):
             for c in range(6):
                 total = b[r, c]
@@ -102,7 +82,10 @@ def sign_changes(loads, torsion_ratio, free_spin, s, poses):
                 largest = max(largest, abs(work[r, c]))
             for c in range(size):
                 work[r, c] /= max(largest, 1e-300)
-        sign = _sign_of_determinant(work, size)
+        sign = eliminate(work, size, size, size, 0.0)
+        for r in range(size):
+            if work[r, r] < 0.0:
+                sign = -sign
         if previous != 0.0 and sign != 0.0 and sign != previous:
             changes += 1
         if sign != 0.0:
@@ -111,27 +94,25 @@ def sign_changes(loads, torsion_ratio, free_spin, s, poses):
 
 
 @kernel
-def inertia(loads, position, torsion_ratio, free_spin, s, frames, shift):
-    """Morse index of the discretization with nodes ``s`` (n + 1,) and ``frames`` (n + 2, 4).
+def inertia(loads, position, torsion_ratio, free_spin, rod, shift):
+    """Morse index of a discretization, a ``DiscreteRod``.
 
-    The frames are those of the rod at the middle of the segments, and the two clamps. ``shift``
+    Its frames are those of the rod at the middle of the segments, and the two clamps. ``shift``
     is added to the Hessian per length: a zero mode then counts as positive.
     """
-    n = s.shape[0] - 1
-    blocks = n + 1 if free_spin else n
+    n = rod.s.shape[0] - 1
     k3 = 1.0 if free_spin else torsion_ratio
-    omega, c = np.empty((n + 1, 3)), np.empty(3)
-    diagonal, upper = np.empty((blocks, 3, 3)), np.empty((blocks, 3, 3))
-    gradient, sides = np.empty((blocks, 3)), np.empty((blocks, 3, 3))
+    hessian, c = new_hessian(n, free_spin), np.empty(3)
+    sides, blocks = hessian.sides, hessian.gradient.shape[0]
     inverse, x, schur = np.empty((blocks, 3, 3)), np.empty((blocks, 3, 4)), np.zeros((3, 3))
-    measure(frames, s, n, position, k3, omega, c)
-    assemble(frames, s, n, blocks, k3, omega, loads[:3], diagonal, upper, gradient, sides)
+    measure(rod, position, k3, hessian.omega, c)
+    assemble(rod, k3, loads[:3], hessian)
     for k in range(blocks):
         for i in range(3):
             x[k, i, 0] = 0.0
             for j in range(3):
                 x[k, i, 1 + j] = sides[k, i, j]
-    negative = factor(diagonal, upper, s, n, blocks, shift, inverse, x)
+    negative = factor(hessian, rod.s, shift, inverse, x)
     for k in range(n):
         for i in range(3):
             for a in range(2):

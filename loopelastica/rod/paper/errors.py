@@ -30,9 +30,9 @@ from loopelastica.rod.kernels.closed_form import (
 )
 from loopelastica.rod.kernels.cubic import a_min
 from loopelastica.rod.kernels.elliptic import incomplete
-from loopelastica.rod.kernels.finite_rod import FAR, NO_FORCE, relative, turned_back
+from loopelastica.rod.kernels.finite_rod import FAR, NO_FORCE, turned_back
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.rotations import quaternion_from_matrix
+from loopelastica.rod.kernels.rotations import product, quaternion_from_matrix
 from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN, moment_bound, shoot, step_count
 from loopelastica.rod.paper import bulirsch_stoer
 
@@ -95,7 +95,8 @@ def error(kind, y, target, e):
         e[4] = theta_t - theta
         e[5] = wrapped(phi_t) - wrapped(phi)
         return
-    w, a, b, c3 = relative(y[3], y[4], y[5], y[6], target[3], target[4], target[5], target[6])
+    # the target's frame seen from the pose's
+    w, a, b, c3 = product(y[3], -y[4], -y[5], -y[6], target[3], target[4], target[5], target[6])
     if kind == EPS3:  # eq. 32, γ in [0, π]
         sign = 1.0 if w >= 0.0 else -1.0
         e[3], e[4], e[5] = sign * a, sign * b, sign * c3
@@ -129,7 +130,7 @@ def seen_from(first, second, length, y):
     q0, q1, q2, q3, x, v, z = second
     x, v, z = (x - x0) / length, (v - y0) / length, (z - z0) / length
     y[0], y[1], y[2] = turned_back(p0, p1, p2, p3, x, v, z)
-    y[3], y[4], y[5], y[6] = relative(p0, p1, p2, p3, q0, q1, q2, q3)
+    y[3], y[4], y[5], y[6] = product(p0, -p1, -p2, -p3, q0, q1, q2, q3)
 
 
 @kernel

@@ -29,6 +29,7 @@ import numpy as np
 from loopelastica.rod.kernels.closed_form import period
 from loopelastica.rod.kernels.finite_rod import loads_from_physical
 from loopelastica.rod.kernels.jit import kernel
+from loopelastica.rod.kernels.linalg import eliminate
 from loopelastica.rod.kernels.shooting import POSE
 from loopelastica.rod.paper.derivatives import (
     central_jacobian,
@@ -47,32 +48,16 @@ _TAU, _OMEGA = 0.45, 1e-4  # Algorithm 2, lines 2 and 3
 
 
 @kernel
-def eliminate(j, e, a, d):
-    """Newton step d = −J⁻¹ε (6,) by Gaussian elimination with row pivots; False if J is singular.
-
-    ``a`` (6, 6) is scratch.
-    """
+def newton_step(j, e, a, d):
+    """Newton step d = −J⁻¹ε (6,); False if J (6, 6) is singular. ``a`` (6, 7) is scratch."""
     for i in range(6):
-        d[i] = -e[i]
+        a[i, 6] = -e[i]
         for c in range(6):
             a[i, c] = j[i, c]
-    for p in range(6):
-        best = p
-        for i in range(p + 1, 6):
-            if abs(a[i, p]) > abs(a[best, p]):
-                best = i
-        if not (abs(a[best, p]) > 0.0 and abs(a[best, p]) < math.inf):
-            return False
-        if best != p:
-            for c in range(6):
-                a[p, c], a[best, c] = a[best, c], a[p, c]
-            d[p], d[best] = d[best], d[p]
-        for i in range(p + 1, 6):
-            factor = a[i, p] / a[p, p]
-            for c in range(p, 6):
-                a[i, c] -= factor * a[p, c]
-            d[i] -= factor * d[p]
+    if eliminate(a, 6, 6, 7, 0.0) == 0.0:
+        return False
     for i in range(5, -1, -1):
+        d[i] = a[i, 6]
         for c in range(i + 1, 6):
             d[i] -= a[i, c] * d[c]
         d[i] /= a[i, i]
@@ -127,7 +112,7 @@ def newton(f, target, kind, torsion_ratio, forward, eps_c, ridders):
         Iterations are Newton steps taken.
     """
     y, e, trial = np.empty(POSE), np.empty(6), np.empty(6)
-    j, a, d = np.empty((6, 6)), np.empty((6, 6)), np.empty(6)
+    j, a, d = np.empty((6, 6)), np.empty((6, 7)), np.empty(6)
     if not error_at(f, target, kind, torsion_ratio, forward, y, e):
         return NOT_FINITE, 0
     for i in range(_ITERATIONS):
@@ -140,7 +125,7 @@ def newton(f, target, kind, torsion_ratio, forward, eps_c, ridders):
             fine = central_jacobian(f, target, kind, torsion_ratio, forward, y, j)
         if not fine:
             return NOT_FINITE, i
-        if not eliminate(j, e, a, d):  # line 10
+        if not newton_step(j, e, a, d):  # line 10
             return SINGULAR, i
         decrease = 0.0  # g·d with g = Jᵀε (line 9)
         for c in range(6):

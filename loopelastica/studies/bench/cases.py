@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from loopelastica._arrays import Array
-from loopelastica.rod.equilibrium import Status
+from loopelastica.rod.kernels.records import Status
 from loopelastica.rod.parameters import PhysicalParameters, a_min, forceless
 from loopelastica.studies.bench.poses import (
     Draw,

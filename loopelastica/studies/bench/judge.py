@@ -25,7 +25,7 @@ def _layers(rod: Equilibrium) -> tuple[Array, float]:
     force = float(np.linalg.norm(rod.loads[:3]))
     decay = math.sqrt(max(force - 0.25 * rod.loads[5] ** 2, 0.0))
     twist = abs(rod.loads[5]) / rod.torsion_ratio
-    if len(rod.tail) and decay > 2.0 * _LAYER:
+    if len(rod.layers) and decay > 2.0 * _LAYER:
         layer = _LAYER / decay
         n = min(int(layer * (2.0 * math.sqrt(force) + twist) / _TURN) + 8, _INTERVALS)
         near = np.linspace(0.0, layer, n + 1)

@@ -20,7 +20,8 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.equilibrium import Equilibrium, Status
+from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.kernels.records import Status
 
 Method = Callable[[Clamping], Equilibrium | None]
 

@@ -17,7 +17,7 @@ from loopelastica._arrays import Array
 from loopelastica._files import write_csv, write_json, write_text
 from loopelastica.rod.batch import Batch, solve_batch
 from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.equilibrium import Status
+from loopelastica.rod.kernels.records import Status
 from loopelastica.rod.solve import solve
 from loopelastica.studies.bench.cases import Case, all_cases
 from loopelastica.studies.bench.judge import independent

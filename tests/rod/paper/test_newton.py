@@ -16,11 +16,11 @@ def test_the_line_search_stops_at_the_first_step_with_armijos_decrease():
     f = PhysicalParameters(0.5, 0.3, 1.0, 0.0, 0.4, 2.5).loads()
     target = end(1.15 * f)
     y, e = np.empty(7), np.empty(6)
-    j, a, d = np.empty((6, 6)), np.empty((6, 6)), np.empty(6)
+    j, a, d = np.empty((6, 6)), np.empty((6, 7)), np.empty(6)
     kind = ERRORS["eps3"]
     paper_newton.error_at(f, target, kind, 1.0, 0, y, e)
     paper_newton.central_jacobian(f, target, kind, 1.0, 0, y, j)
-    assert paper_newton.eliminate(j, e, a, d)
+    assert paper_newton.newton_step(j, e, a, d)
     assert d == pytest.approx(-np.linalg.solve(j, e))
     cost, trial = 0.5 * e @ e, np.empty(6)
 
