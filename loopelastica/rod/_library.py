@@ -8,16 +8,14 @@ so poses are compared in the turned frame where η2 = 0 and η1 ≥ 0. There a p
 R the end frame, d3 its tangent; w balances lengths against angles. Euler angles would tear
 neighbours apart at their seams. A KD-tree returns the nearest rods, whose loads are turned back by
 the target's own angle. Other torsion ratios only spin the end frames (K30 never changes the
-center line of given loads), so each ratio has its own tree, built when it is first asked for.
+center line of given loads), so each ratio has its own tree, built when it is first needed.
 
-Half of the rods come from random moderate loads, half are the lowest equilibria of random poses, so
-that a pose nearby usually leads to its own lowest equilibrium. They ship in single precision, being
-guesses. ``python -m loopelastica.rod._library`` computes the file anew.
+The file ships in single precision, being guesses; ``data/make_rods.py`` computes it anew and says
+which rods it holds.
 """
 
 import functools
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,7 +23,6 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica._files import data_path
-from loopelastica.rod.kernels.shooting import ends
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
@@ -35,9 +32,6 @@ _WEIGHT = 0.5
 # distances grow by a thousandth
 _LAX = 0.6
 _FILE = "rods.npz"
-_SEED, _SIZE = 20180717, 40_000
-# |F| beyond which no pose nearby was reached from stored loads: errors of those grow like exp √F
-_SHOOTABLE = 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,50 +83,6 @@ def _points(positions: Array, rotations: Array, free_spin: bool) -> tuple[Array,
     return np.hstack([eta, _WEIGHT * turned.reshape(-1, 9)]), angles
 
 
-def draw_loads(size: int, rng: np.random.Generator) -> Array:
-    """Random loads (size, 6): |F| and |M| uniform, directions uniform."""
-    directions = rng.normal(size=(2, size, 3))
-    directions /= np.linalg.norm(directions, axis=2, keepdims=True)
-    return np.hstack(
-        [
-            rng.uniform(0.0, _SHOOTABLE, (size, 1)) * directions[0],
-            rng.uniform(0.0, 12.0, (size, 1)) * directions[1],
-        ]
-    )
-
-
-def draw_lowest(size: int, free_spin: bool, rng: np.random.Generator) -> Array:
-    """Loads (less than size, 6) of those lowest rods of random poses that loads can tell."""
-    from scipy.spatial.transform import Rotation
-
-    from loopelastica.rod.batch import solve_batch
-
-    directions = rng.normal(size=(size, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    positions = directions * 0.95 * rng.uniform(size=(size, 1)) ** (1.0 / 3.0)
-    rotations = Rotation.random(size, random_state=rng).as_matrix()
-    batch = solve_batch(positions, rotations, free_spin=free_spin, lowest=True)
-    keep = batch.converged & (np.linalg.norm(batch.loads[:, :3], axis=1) < _SHOOTABLE)
-    return np.asarray(batch.loads[keep])
-
-
-def write(path: Path, size: int = _SIZE, seed: int = _SEED) -> None:
-    """Compute the rods and write them, K30 = 1, with and without end spin; takes some minutes.
-
-    The arrays ``clamped`` and ``free`` (n, 13) hold loads, position and quaternion.
-    """
-    arrays = {}
-    for name in ("clamped", "free"):
-        rng = np.random.default_rng(seed)
-        drawn = draw_loads(size // 2, rng)
-        if name == "free":
-            drawn[:, 5] = 0.0
-        loads = np.concatenate([drawn, draw_lowest(size - size // 2, name == "free", rng)])
-        positions, quaternions = ends(loads, 1.0, 3.0)
-        arrays[name] = np.hstack([loads, positions, quaternions]).astype(np.float32)
-    np.savez_compressed(path, clamped=arrays["clamped"], free=arrays["free"])
-
-
 @functools.lru_cache(maxsize=2)
 def _stored(free_spin: bool) -> Array:
     with np.load(data_path(_FILE)) as archive:
@@ -154,7 +104,3 @@ def stored_rods(torsion_ratio: float, free_spin: bool) -> StoredRods:
         )
     points, angles = _points(positions, rotation.as_matrix(), free_spin)
     return StoredRods(_turn_loads(loads, -angles), KDTree(points, leafsize=20), free_spin)
-
-
-if __name__ == "__main__":
-    write(data_path(_FILE))

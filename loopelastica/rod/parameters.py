@@ -4,7 +4,7 @@ Ameline, Haliyo, Huang, Cognet, J. Comput. Phys. 373 (2018) 736, DOI 10.1016/j.j
 eq. 8–28. In Landau's frame, with the force along e_k and μ = √(K0/F) as the unit of length, an
 equilibrium is determined by six numbers p = (λ, t_P, a, φ0, s_ini/μ, L/μ): three constants of the
 infinite rod, the spin of its frame, and the piece that is cut out of it. The closed form that
-evaluates them is told in :mod:`loopelastica.rod.kernels.closed_form`.
+evaluates them is explained in :mod:`loopelastica.rod.kernels.closed_form`.
 
 In units L = 1 and K0 = 1 (those of the loads) the force is (L/μ)² and a moment (L/μ) times its
 value in units K0/μ. A rod without force has no μ and no p: :func:`forceless` draws it.
@@ -17,7 +17,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from loopelastica._arrays import Array
+from loopelastica.rod._arguments import arc_lengths, check_loads, check_torsion_ratio
 
 if TYPE_CHECKING:
     from loopelastica.rod.clamping import Clamping
@@ -26,10 +29,6 @@ __all__ = ["PhysicalParameters", "a_min", "forceless"]
 
 # How far below a_Min an `a` may lie: rounding of eq. 11 and of a_Min itself, with a margin.
 _A_TOLERANCE = 1e-12
-
-# Below this ratio of F to M² (L = K0 = 1) the force is no longer felt: Landau's frame lies so far
-# away from the rod (ρ ~ M/F) that the closed form would lose half of its digits.
-_NO_FORCE = 1e-9
 
 
 def a_min(lam: float, t_p: float) -> float:
@@ -55,28 +54,9 @@ def a_min(lam: float, t_p: float) -> float:
     return float(cubic.a_min(float(lam), float(t_p)))
 
 
-def _arc_lengths(n: int | ArrayLike) -> NDArray[np.float64]:
-    """S/L at n equally spaced points, or the values given."""
-    if isinstance(n, int | np.integer):
-        if n < 2:
-            raise ValueError(f"`n` is {n}; at least 2 points are needed to include both ends")
-        return np.linspace(0.0, 1.0, int(n))
-    arc = np.array(n, dtype=np.float64, order="C")
-    if arc.ndim != 1 or not np.all((arc >= 0.0) & (arc <= 1.0)):
-        raise ValueError("`n` must be an int or a one-dimensional array of values in [0, 1]")
-    return arc
-
-
-def _torsion_ratio(value: float) -> float:
-    ratio = float(value)
-    if not (math.isfinite(ratio) and ratio > 0.0):
-        raise ValueError(f"`torsion_ratio` is {value}; it must be positive and finite")
-    return ratio
-
-
 def forceless(
     moment: ArrayLike, n: int | ArrayLike, torsion_ratio: float = 1.0
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Array, Array]:
     """The rod that carries a moment and no force: a helix, a circle or a straight line.
 
     Parameters
@@ -108,14 +88,12 @@ def forceless(
     >>> print(line[-1].round(6))
     [0.63662 0.      0.63662]
     """
-    from loopelastica.rod.kernels import closed_form
+    from loopelastica.rod.kernels.finite_rod import forceless_along
 
     vector = np.array(moment, dtype=np.float64)
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise ValueError("`moment` must be three finite numbers")
-    line, frames = closed_form.forceless_along(
-        vector, _torsion_ratio(torsion_ratio), _arc_lengths(n)
-    )
+    line, frames = forceless_along(vector, check_torsion_ratio(torsion_ratio), arc_lengths(n, 2))
     return line, frames
 
 
@@ -199,42 +177,33 @@ class PhysicalParameters:
         >>> print(f"{p.lam:.6f} {p.t_p:.6f} {p.a:.6f}")
         0.747836 0.660730 2.060126
         """
-        from loopelastica.rod.kernels import closed_form
+        from loopelastica.rod.kernels.finite_rod import NO_FORCE, physical_from_loads
 
-        values = np.array(loads, dtype=np.float64)
-        if values.shape != (6,) or not np.isfinite(values).all():
-            raise ValueError("`loads` must be six finite numbers, F1 F2 F3 M1 M2 M3")
-        ratio = _torsion_ratio(torsion_ratio)
+        values = check_loads(loads)
+        ratio = check_torsion_ratio(torsion_ratio)
         force = float(np.linalg.norm(values[:3]))
-        if force <= _NO_FORCE * max(1.0, float(values[3:] @ values[3:])):
+        if force <= NO_FORCE * max(1.0, float(values[3:] @ values[3:])):
             return None
-        return cls(*closed_form.physical_from_loads(*values.tolist(), ratio))
+        return cls(*physical_from_loads(*values.tolist(), ratio))
 
     @property
     def period(self) -> float:
         """s_per/μ, the period of the distance from the axis; inf where the rod is homoclinic."""
-        from loopelastica.rod.kernels import closed_form
+        from loopelastica.rod.kernels.closed_form import period
 
-        return float(closed_form.period(self.lam, self.t_p, self.a))
+        return float(period(self.lam, self.t_p, self.a))
 
-    def _along(
-        self, n: int | ArrayLike, torsion_ratio: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        from loopelastica.rod.kernels import closed_form
+    def _numbers(self) -> tuple[float, float, float, float, float, float]:
+        return self.lam, self.t_p, self.a, self.phi0, self.s_ini, self.length
 
-        line, frames = closed_form.rod_along(
-            self.lam,
-            self.t_p,
-            self.a,
-            self.phi0,
-            self.s_ini,
-            self.length,
-            _torsion_ratio(torsion_ratio),
-            _arc_lengths(n),
-        )
+    def _along(self, n: int | ArrayLike, torsion_ratio: float) -> tuple[Array, Array]:
+        from loopelastica.rod.kernels.finite_rod import rod_along
+
+        ratio = check_torsion_ratio(torsion_ratio)
+        line, frames = rod_along(*self._numbers(), ratio, arc_lengths(n, 2))
         return line, frames
 
-    def centerline(self, n: int | ArrayLike, torsion_ratio: float = 1.0) -> NDArray[np.float64]:
+    def centerline(self, n: int | ArrayLike, torsion_ratio: float = 1.0) -> Array:
         """Points of the center line in the start frame, in units of L.
 
         Parameters
@@ -251,8 +220,13 @@ class PhysicalParameters:
         """
         return self._along(n, torsion_ratio)[0]
 
-    def frames(self, n: int | ArrayLike, torsion_ratio: float = 1.0) -> NDArray[np.float64]:
-        """Darboux frames in the start frame, columns d1, d2, d3; arguments as for `centerline`.
+    def frames(self, n: int | ArrayLike, torsion_ratio: float = 1.0) -> Array:
+        """Darboux frames in the start frame, columns d1, d2, d3.
+
+        Parameters
+        ----------
+        n, torsion_ratio
+            As for `centerline`.
 
         Returns
         -------
@@ -283,7 +257,7 @@ class PhysicalParameters:
         line, frames = self._along(np.ones(1), torsion_ratio)
         return Clamping(line[0], frames[0])
 
-    def loads(self, torsion_ratio: float = 1.0) -> NDArray[np.float64]:
+    def loads(self, torsion_ratio: float = 1.0) -> Array:
         """F and M at S = 0 in the start frame, in units L = 1, K0 = 1 (eq. 12c and 21).
 
         Parameters
@@ -301,19 +275,9 @@ class PhysicalParameters:
         >>> print(p.loads().round(6) + 0.0)
         [ 0.        0.       -4.       -2.828427  0.        0.      ]
         """
-        from loopelastica.rod.kernels import closed_form
+        from loopelastica.rod.kernels.finite_rod import loads_from_physical
 
-        return np.array(
-            closed_form.loads_from_physical(
-                self.lam,
-                self.t_p,
-                self.a,
-                self.phi0,
-                self.s_ini,
-                self.length,
-                _torsion_ratio(torsion_ratio),
-            )
-        )
+        return np.array(loads_from_physical(*self._numbers(), check_torsion_ratio(torsion_ratio)))
 
     def reduced(self, torsion_ratio: float = 1.0) -> tuple[PhysicalParameters, float]:
         """The same rod with its start frame turned so that η1 ≥ 0 and η2 = 0 (eq. 15–19).

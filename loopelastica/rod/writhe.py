@@ -4,7 +4,7 @@ Net winding (eq. 43 of Ameline et al., J. Comput. Phys. 373 (2018) 736,
 DOI 10.1016/j.jcp.2018.07.021; M. A. Berger & C. Prior, J. Phys. A 39 (2006) 8321,
 DOI 10.1088/0305-4470/39/26/005) is the linking number of open ribbons between two parallel planes:
 net winding = twist + polar writhe. Where the curve is cut at equal height along a direction e, and
-σ = ±1 tells whether a piece rises or falls,
+σ = ±1 says whether a piece rises or falls,
 
     polar writhe = (1/2π) ∫ σ (t × t')·e/(1 + |t·e|) ds                           (local)
                  + Σ_{i≠j} σ_i σ_j/(2π) ∫ dΘ_ij                                   (nonlocal)
@@ -16,7 +16,7 @@ The planes. The ends of a clamped rod need not lie on its bounding planes, nor i
 along e. So the rod is continued by two straight lines along e, one coming from −∞ to its start, one
 going from its end to +∞, joined by the shortest turn from e to the tangent. These lines depend on
 the clamping only, hence the net winding of two rods of one clamping differs by an integer. Unless
-told otherwise e = (t(0) + t(L))/|t(0) + t(L)|, the direction between the end tangents, and d1(0)
+given otherwise e = (t(0) + t(L))/|t(0) + t(L)|, the direction between the end tangents, and d1(0)
 where they are opposite. The fractional part is then (ψ_R + φ_R)/2π, with the Euler angles of the
 clamping (eq. 6), for any e on the shortest arc from t(0) to t(L): this is what gives 0.1 and 1.1 in
 Figure 6 and 0.42 and −1.58 in Figure 7.
@@ -39,113 +39,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
-from loopelastica.rod.kernels.jit import kernel
+from loopelastica.rod.kernels import polygon
 
 __all__ = ["net_winding", "polar_writhe", "twist", "writhe"]
-
-
-@kernel
-def _triangle(p: Array, q: Array, pole: float) -> float:
-    """Signed area of the spherical triangle (pole·e3, p, q), seen from that pole."""
-    volume = p[0] * q[1] - p[1] * q[0]
-    cosine = p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-    return 2.0 * math.atan2(pole * volume, 1.0 + pole * (p[2] + q[2]) + cosine)
-
-
-@kernel
-def _local(directions: Array) -> tuple[float, float]:
-    """Local polar writhe (times 2π), and Fuller's ∫(t × t')_z/(1 + t_z), along great arcs."""
-    polar = 0.0
-    north = 0.0
-    level = np.zeros(3)
-    for k in range(directions.shape[0] - 1):
-        p = directions[k]
-        q = directions[k + 1]
-        north += _triangle(p, q, 1.0)
-        if (p[2] >= 0.0) == (q[2] >= 0.0):
-            polar += _triangle(p, q, 1.0 if p[2] >= 0.0 else -1.0)
-            continue
-        for i in range(2):  # the arc is cut where it is level
-            level[i] = p[i] * abs(q[2]) + q[i] * abs(p[2])
-        size = math.hypot(level[0], level[1])
-        if size > 0.0:
-            level[0] /= size
-            level[1] /= size
-            polar += _triangle(p, level, 1.0 if p[2] >= 0.0 else -1.0)
-            polar += _triangle(level, q, 1.0 if q[2] >= 0.0 else -1.0)
-    return polar, north
-
-
-@kernel
-def _nonlocal(points: Array) -> float:
-    """Σ_{i≠j} σ_i σ_j ∫ dΘ_ij over the edges of a polygon, heights along its third coordinate."""
-    total = 0.0
-    n = points.shape[0] - 1
-    for i in range(n):
-        za, zb = points[i, 2], points[i + 1, 2]
-        if za == zb:
-            continue
-        i_low, i_high = min(za, zb), max(za, zb)
-        for j in range(i + 2, n):  # neighbors meet in a vertex: their azimuth is constant
-            zc, zd = points[j, 2], points[j + 1, 2]
-            low = max(i_low, min(zc, zd))
-            high = min(i_high, max(zc, zd))
-            if low >= high:
-                continue
-            f, g = (low - za) / (zb - za), (low - zc) / (zd - zc)
-            x0 = (1 - g) * points[j, 0] + g * points[j + 1, 0]
-            x0 -= (1 - f) * points[i, 0] + f * points[i + 1, 0]
-            y0 = (1 - g) * points[j, 1] + g * points[j + 1, 1]
-            y0 -= (1 - f) * points[i, 1] + f * points[i + 1, 1]
-            f, g = (high - za) / (zb - za), (high - zc) / (zd - zc)
-            x1 = (1 - g) * points[j, 0] + g * points[j + 1, 0]
-            x1 -= (1 - f) * points[i, 0] + f * points[i + 1, 0]
-            y1 = (1 - g) * points[j, 1] + g * points[j + 1, 1]
-            y1 -= (1 - f) * points[i, 1] + f * points[i + 1, 1]
-            angle = math.atan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1)
-            total += 2.0 * angle if (zb > za) == (zd > zc) else -2.0 * angle
-    return total
-
-
-@kernel
-def _solid_angle(points: Array, i: int, j: int, k: int, m: int, n: int, o: int) -> float:
-    """Solid angle of the triangle r_j − r_i, r_m − r_k, r_o − r_n seen from the origin."""
-    ax, ay, az = (
-        points[j, 0] - points[i, 0],
-        points[j, 1] - points[i, 1],
-        points[j, 2] - points[i, 2],
-    )
-    bx, by, bz = (
-        points[m, 0] - points[k, 0],
-        points[m, 1] - points[k, 1],
-        points[m, 2] - points[k, 2],
-    )
-    cx, cy, cz = (
-        points[o, 0] - points[n, 0],
-        points[o, 1] - points[n, 1],
-        points[o, 2] - points[n, 2],
-    )
-    volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-    a = math.sqrt(ax * ax + ay * ay + az * az)
-    b = math.sqrt(bx * bx + by * by + bz * bz)
-    c = math.sqrt(cx * cx + cy * cy + cz * cz)
-    ab = ax * bx + ay * by + az * bz
-    bc = bx * cx + by * cy + bz * cz
-    ca = cx * ax + cy * ay + cz * az
-    return 2.0 * math.atan2(volume, a * b * c + ab * c + bc * a + ca * b)
-
-
-@kernel
-def _writhe(points: Array) -> float:
-    """Gauss integral of a polygon with itself: the directions in which two edges cross."""
-    total = 0.0
-    n = points.shape[0] - 1
-    for i in range(n):
-        for j in range(i + 2, n):
-            # corners of the quadrangle: from both ends of edge i to both ends of edge j
-            total -= _solid_angle(points, i, j, i, j + 1, i + 1, j + 1)
-            total -= _solid_angle(points, i, j, i + 1, j + 1, i + 1, j)
-    return total / (2.0 * math.pi)
 
 
 def _rows(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
@@ -249,11 +145,11 @@ def polar_writhe(points: ArrayLike, tangents: ArrayLike, direction: ArrayLike) -
     if not lengths.all():
         raise ValueError("`points` has two equal points in succession")
     pole = np.array([[0.0, 0.0, 1.0]])
-    polar, north = _local(np.ascontiguousarray(edges / lengths[:, None]))
-    _, smooth_north = _local(np.ascontiguousarray(np.vstack([pole, t, pole])))
-    # areas on the sphere are known modulo 4π
+    polar, north = polygon.local_polar_writhe(np.ascontiguousarray(edges / lengths[:, None]))
+    _, smooth_north = polygon.local_polar_writhe(np.ascontiguousarray(np.vstack([pole, t, pole])))
+    # areas on the sphere are determined modulo 4π
     change = math.remainder(smooth_north - north, 4.0 * math.pi)
-    return float((polar + change + _nonlocal(r)) / (2.0 * math.pi))
+    return float((polar + change + polygon.nonlocal_polar_writhe(r)) / (2.0 * math.pi))
 
 
 def writhe(points: ArrayLike) -> float:
@@ -279,7 +175,7 @@ def writhe(points: ArrayLike) -> float:
     >>> print(round(writhe([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0.5, 0.5, 1], [0.5, -1, 0.2]]), 4))
     0.4277
     """
-    return float(_writhe(_rows(points, (3,), "points")))
+    return float(polygon.gauss_integral(_rows(points, (3,), "points")))
 
 
 def net_winding(
@@ -298,10 +194,10 @@ def net_winding(
         Frames at these points, columns d1, d2, d3. Only those at the two ends enter the fractional
         part of the result; the others choose the integer.
     turns : float, optional
-        The rod's twist in turns where it is known, M3 L/(2π K3); else :func:`twist` of `frames`.
+        The rod's twist in turns where it is given, M3 L/(2π K3); else :func:`twist` of `frames`.
     direction : (3,) array_like, optional
         Normal of the two planes; by default the direction between the end tangents. The module's
-        head tells how the rod is continued to the planes.
+        head says how the rod is continued to the planes.
 
     Returns
     -------

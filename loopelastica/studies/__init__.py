@@ -1,1 +1,1 @@
-"""How good and how fast it is: benchmarks and evaluations. Only the command line knows them."""
+"""How good and how fast it is: benchmarks and evaluations. Only the command line uses them."""

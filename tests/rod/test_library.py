@@ -1,8 +1,22 @@
+import importlib.util
+from pathlib import Path
+
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from loopelastica.rod._library import _stored, stored_rods
 from loopelastica.rod.kernels.shooting import ends
+
+TOOL = Path(__file__).resolve().parents[2] / "data" / "make_rods.py"
+
+
+@pytest.fixture(scope="module")
+def make_rods():
+    spec = importlib.util.spec_from_file_location("make_rods", TOOL)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def test_stored_rods_reach_their_stored_poses():
@@ -35,3 +49,27 @@ def test_no_rod_is_known_where_none_is_near():
     far = np.array([[0.0, 0.0, -0.9999]])
     _, known = stored_rods(1.0, False).nearest(far, np.eye(3)[None], 3, within=0.05)
     assert known[0] == 0
+
+
+def test_the_tool_draws_loads_as_the_shipped_file_has_them(make_rods):
+    drawn = make_rods.draw_loads(make_rods.SIZE // 2, np.random.default_rng(make_rods.SEED))
+    for free_spin in (False, True):
+        shipped = _stored(free_spin)[: len(drawn), :6]
+        expected = drawn * [1, 1, 1, 1, 1, not free_spin]
+        np.testing.assert_array_equal(shipped, expected.astype(np.float32))
+
+
+def test_the_tool_writes_rods_that_reach_their_poses(make_rods, tmp_path):
+    make_rods.write(tmp_path / "rods.npz", size=12, seed=3)
+    assert [path.name for path in tmp_path.iterdir()] == ["rods.npz"]
+    with np.load(tmp_path / "rods.npz") as archive:
+        for name in ("clamped", "free"):
+            rods = archive[name]
+            assert rods.shape[1] == 13
+            assert 6 < len(rods) <= 12
+            positions, quaternions = ends(rods[:, :6].astype(np.float64), 1.0, 3.0)
+            np.testing.assert_allclose(positions, rods[:, 6:9], atol=1e-3)
+            assert np.abs((quaternions * rods[:, 9:]).sum(1)).min() > 1 - 1e-5
+        assert not archive["free"][:6, 5].any()
+        # the second half are lowest rods of slack poses
+        assert np.linalg.norm(archive["clamped"][6:, 6:9], axis=1).max() < 0.95 + 1e-6

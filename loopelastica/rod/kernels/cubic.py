@@ -16,8 +16,6 @@ Legend: lam, t_p, a the constants λ, t_P, a; y = 1 + z; d12 = z1 − z2 and so 
 is the high and low part of a double-double number.
 """
 
-from __future__ import annotations
-
 import math
 
 from loopelastica.rod.kernels.jit import kernel
@@ -26,7 +24,7 @@ _SPLIT = 134217729.0  # 2**27 + 1: Dekker's splitting of a double into halves
 
 
 @kernel
-def _add(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
+def _add(a_h, a_l, b_h, b_l):
     """Sum of two double-double numbers (Knuth's two-sum on both parts)."""
     s = a_h + b_h
     v = s - a_h
@@ -42,7 +40,7 @@ def _add(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
 
 
 @kernel
-def _mul(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
+def _mul(a_h, a_l, b_h, b_l):
     """Product of two double-double numbers (Dekker)."""
     p = a_h * b_h
     t = _SPLIT * a_h
@@ -58,7 +56,7 @@ def _mul(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
 
 
 @kernel
-def _div(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
+def _div(a_h, a_l, b_h, b_l):
     """Quotient of two double-double numbers, b not 0."""
     f = a_h / b_h
     p_h, p_l = _mul(f, 0.0, b_h, b_l)
@@ -68,7 +66,7 @@ def _div(a_h: float, a_l: float, b_h: float, b_l: float) -> tuple[float, float]:
 
 
 @kernel
-def _cubic_starts(p: float, q: float, r: float) -> tuple[float, float, float]:
+def _cubic_starts(p, q, r):
     """Roots of y³ − p y² + q y − r, all real, largest first, to about half the digits."""
     spread = max(p * p - 3.0 * q, 0.0) / 9.0
     skew = (-2.0 * p * p * p + 9.0 * p * q - 27.0 * r) / 54.0
@@ -85,9 +83,7 @@ def _cubic_starts(p: float, q: float, r: float) -> tuple[float, float, float]:
 
 
 @kernel
-def roots(
-    lam: float, t_p: float, a: float
-) -> tuple[float, float, float, float, float, float, float, float, float, float]:
+def roots(lam, t_p, a):
     """Roots of the cubic for t_z, as the differences that the closed form needs.
 
     Each is accurate by itself, however small, at any distance from the double roots.
@@ -176,7 +172,7 @@ def roots(
 
 
 @kernel
-def a_min(lam: float, t_p: float) -> float:
+def a_min(lam, t_p):
     """Least a for which a rod exists: a_Min(λ, t_P), Figure 2 of the paper.
 
     A rod needs a ≥ h(z) = 2z + (t_P − λz)²/(1 − z²) at some z = t_z in [−1, 1]. In partial

@@ -14,8 +14,8 @@ of Gauss and Landen (Abramowitz & Stegun, Handbook of Mathematical Functions, 16
 two changes that keep them accurate near m = 1, where they lose half of the digits as they are
 usually written:
 
-- every function takes both m and its complement ``m1 = 1 − m``; the caller who knows the
-  complement better than ``1 - m`` can form it (1e-16 with all its digits) passes it on;
+- every function takes both m and its complement ``m1 = 1 − m``; a caller that has the
+  complement with more digits than ``1 - m`` keeps (1e-16 with all of them) passes it on;
 - the arc sine of the descending step is taken as an arc tangent, with
   ``1 − (c/a)² sin²φ = cos²φ + (b/a)² sin²φ`` in place of a difference.
 
@@ -30,12 +30,9 @@ Legend: m parameter (k²), m1 = 1 − m, K and Kc = K' complete integrals for m 
 (3, 24) array of a_n, b_n, c_n.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from loopelastica.rod.kernels.jit import kernel
 
@@ -44,7 +41,7 @@ _CONVERGED = 1e-9  # c_N/a_N: what is left out is of the order of its square
 
 
 @kernel
-def agm_scale(m: float, m1: float) -> tuple[NDArray[np.float64], int]:
+def agm_scale(m, m1):
     """Arithmetic–geometric means of 1 and √m1.
 
     Parameters
@@ -75,60 +72,31 @@ def agm_scale(m: float, m1: float) -> tuple[NDArray[np.float64], int]:
 
 
 @kernel
-def complete_from_scale(scale: NDArray[np.float64], levels: int) -> tuple[float, float, float]:
-    """K, E and 1 − E/K from a scale; (inf, 1, 1) where m1 = 0."""
+def complete_from_scale(scale, levels):
+    """K and 1 − E/K from a scale (3, 24) of so many levels; (inf, 1) where m1 = 0.
+
+    >>> print("{:.12f} {:.12f}".format(*complete_from_scale(*agm_scale(0.5, 0.5))))
+    1.854074677301 0.271526709478
+    """
     if scale[1, 0] == 0.0:
-        return math.inf, 1.0, 1.0
-    K = 0.5 * math.pi / scale[0, levels]
-    tail = 0.0
+        return math.inf, 1.0
+    rest = 0.0
     power = 1.0
     for n in range(2, levels + 1):
         power *= 2.0
-        tail += power * scale[2, n] * scale[2, n]
-    # The terms n = 0 and 1 of 1 − Σ 2^{n−1} c_n² sum to a_1², without the difference 1 − m/2.
-    a1 = scale[0, min(levels, 1)]
-    c1 = scale[2, min(levels, 1)]
-    E = K * (a1 * a1 - tail)
-    missing = 0.5 * scale[2, 0] * scale[2, 0] + tail
+        rest += power * scale[2, n] * scale[2, n]
+    missing = 0.5 * scale[2, 0] * scale[2, 0] + rest
     if levels > 0:
-        missing += c1 * c1
-    return K, E, missing
+        missing += scale[2, 1] * scale[2, 1]
+    return 0.5 * math.pi / scale[0, levels], missing
 
 
 @kernel
-def complete(m: float, m1: float) -> tuple[float, float]:
-    """Complete elliptic integrals K(m) and E(m).
-
-    Parameters
-    ----------
-    m, m1
-        Parameter in [0, 1] and its complement 1 − m.
-
-    Returns
-    -------
-    K, E
-        (inf, 1) where m1 = 0.
-
-    Examples
-    --------
-    >>> K, E = complete(0.5, 0.5)
-    >>> print(f"{K:.12f} {E:.12f}")
-    1.854074677301 1.350643881048
-    """
-    scale, levels = agm_scale(m, m1)
-    K, E, _ = complete_from_scale(scale, levels)
-    return K, E
-
-
-@kernel
-def jacobi_from_scale(
-    x: float, scale: NDArray[np.float64], levels: int
-) -> tuple[float, float, float, float, float]:
-    """sn, cn, dn, am and Jacobi's Zeta at x from a scale; accurate for |x| ≤ K."""
+def jacobi_from_scale(x, scale, levels):
+    """sn, cn and Jacobi's Zeta at x from a scale (3, 24); accurate for |x| ≤ K."""
     if scale[1, 0] == 0.0:
         sn = math.tanh(x)
-        cn = 1.0 / math.cosh(x) if abs(x) < 700.0 else 0.0
-        return sn, cn, cn, math.atan2(math.sinh(max(-700.0, min(700.0, x))), 1.0), sn
+        return sn, 1.0 / math.cosh(x) if abs(x) < 700.0 else 0.0, sn
     phi = math.ldexp(scale[0, levels] * x, levels)
     zeta = 0.0
     for n in range(levels, 0, -1):
@@ -139,47 +107,11 @@ def jacobi_from_scale(
         cosine = math.cos(phi)
         zeta += c * sine
         phi = 0.5 * (phi + math.atan2(c * sine, math.sqrt((a * cosine) ** 2 + (b * sine) ** 2)))
-    sn = math.sin(phi)
-    cn = math.cos(phi)
-    dn = math.sqrt(cn * cn + (scale[1, 0] * sn) ** 2)
-    return sn, cn, dn, phi, zeta
+    return math.sin(phi), math.cos(phi), zeta
 
 
 @kernel
-def jacobi(x: float, m: float, m1: float) -> tuple[float, float, float, float, float, float]:
-    """Jacobi elliptic functions and the integral of the second kind at any real x.
-
-    Parameters
-    ----------
-    x
-        Argument.
-    m, m1
-        Parameter in [0, 1] and its complement 1 − m.
-
-    Returns
-    -------
-    sn, cn, dn, am, zeta, epsilon
-        ``zeta`` is Jacobi's Z(x|m), ``epsilon`` is E(am(x|m)|m) = Z + x E/K.
-
-    Examples
-    --------
-    >>> print("{:.12f} {:.12f} {:.12f}".format(*jacobi(0.6, 0.3, 0.7)[:3]))
-    0.556352740878 0.830946224324 0.952439755741
-    """
-    scale, levels = agm_scale(m, m1)
-    K, E, _ = complete_from_scale(scale, levels)
-    if math.isinf(K):
-        sn, cn, dn, am, zeta = jacobi_from_scale(x, scale, levels)
-        return sn, cn, dn, am, zeta, sn
-    turns = round(0.5 * x / K)
-    sn, cn, dn, am, zeta = jacobi_from_scale(x - 2.0 * K * turns, scale, levels)
-    if turns % 2 != 0:
-        sn, cn = -sn, -cn
-    return sn, cn, dn, am + math.pi * turns, zeta, zeta + x * E / K
-
-
-@kernel
-def incomplete(sine: float, cosine: float, m: float, m1: float) -> tuple[float, float]:
+def incomplete(sine, cosine, m, m1):
     """Incomplete integral of the first kind and Jacobi's Zeta of an amplitude.
 
     Parameters
@@ -218,7 +150,7 @@ def incomplete(sine: float, cosine: float, m: float, m1: float) -> tuple[float, 
         step = math.atan2(across, along)
         # the branch of the arc tangent that is continuous in φ
         phi += step + 2.0 * math.pi * round((phi - step) / (2.0 * math.pi))
-        # sine and cosine by addition: near π/2 the angle no longer knows its cosine
+        # sine and cosine by addition: near π/2 the angle has lost the digits of its cosine
         size = math.hypot(across, along)
         sine, cosine = (
             (sine * along + cosine * across) / size,
@@ -229,7 +161,7 @@ def incomplete(sine: float, cosine: float, m: float, m1: float) -> tuple[float, 
 
 
 @kernel
-def theta_phase(x: float, b: float, K: float, Kc: float, shifted: bool) -> tuple[float, float]:
+def theta_phase(x, b, K, Kc, shifted):
     """Θ(x + ib) or Θ(x + K + ib), times exp(iπxb/(2KK')), up to a positive factor.
 
     Θ(x) = θ4(πx/(2K), q) is Jacobi's Theta function. With the exponential factor the value stays
@@ -268,7 +200,7 @@ def theta_phase(x: float, b: float, K: float, Kc: float, shifted: bool) -> tuple
         sine = math.sin(phase)
         return real * cosine - imaginary * sine, real * sine + imaginary * cosine
     # Imaginary transformation: θ4(v|τ) ~ exp(v²/(iπτ)) θ2(v/τ|−1/τ), θ3 ~ θ3; the phase of the
-    # Gaussian is the exponential asked for, its modulus a positive factor.
+    # Gaussian is the exponential factor, its modulus a positive factor.
     beta = 0.5 * math.pi * b / Kc
     xi = 0.5 * math.pi * abs(x) / Kc
     half = math.pi * K / Kc  # q' = exp(−half)

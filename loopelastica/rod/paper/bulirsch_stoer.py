@@ -50,7 +50,8 @@ _MAX_STEPS = 20_000
 def midpoint(f, y, k0, h, n, out, a, b, k):
     """Gragg's modified midpoint rule over ``h`` with ``n`` substeps, into ``out`` (7,).
 
-    ``k0`` (7,) is the slope at ``y``; ``a``, ``b`` and ``k`` (7,) are scratch.
+    ``f`` (6,) are the loads, ``k0`` (7,) is the slope at ``y`` (7,); ``a``, ``b`` and ``k`` (7,)
+    are scratch.
     """
     g = h / n
     for c in range(POSE):
@@ -69,7 +70,8 @@ def midpoint(f, y, k0, h, n, out, a, b, k):
 def extrapolate(row, table, best):
     """Aitken and Neville's table of row ``row``, whose midpoint value lies in ``table[row - 1]``.
 
-    On return ``best`` (7,) is the most extrapolated value and ``table[0]`` the one before it.
+    On return ``best`` (7,) is the most extrapolated value and ``table[0]`` the one before it;
+    ``table`` is (9, 7).
     """
     for j in range(row - 1, 0, -1):
         ratio = _SUBSTEPS[row] / _SUBSTEPS[j]
@@ -84,7 +86,10 @@ def extrapolate(row, table, best):
 
 @kernel
 def _attempt(f, y, k0, h, order, rtol, best, table, steps, work, a, b, k):
-    """Rows of one step until it is accepted or given up: (accepted, row, slopes)."""
+    """Rows of one step until it is accepted or given up: (accepted, row, slopes).
+
+    Arrays as in `integrate`; ``steps`` and ``work`` (9,) receive h_k and A_k/h_k.
+    """
     slopes = 0
     for row in range(order + 2):
         n = _SUBSTEPS[row]
@@ -118,7 +123,10 @@ def _attempt(f, y, k0, h, order, rtol, best, table, steps, work, a, b, k):
 
 @kernel
 def _next_order(row, steps, work):
-    """Target row and step after a step accepted in ``row``: the neighbour of least work."""
+    """Target row and step after a step accepted in ``row``: the neighbour of least work.
+
+    ``steps`` and ``work`` (9,) are those of `_attempt`.
+    """
     order, step = row, steps[row]
     if row > 1 and work[row - 1] < 0.8 * work[row]:
         order, step = row - 1, steps[row - 1]
@@ -187,7 +195,7 @@ def integrate(f, length, rtol, y):
 
 @kernel
 def end_pose(f, torsion_ratio, rtol, y):
-    """Pose of the end of the rod with loads ``f`` into ``y`` (7,); returns as `integrate`."""
+    """Pose of the end of the rod with loads ``f`` (6,) into ``y`` (7,); returns as `integrate`."""
     for c in range(POSE):
         y[c] = 0.0
     y[3] = 1.0

@@ -2,7 +2,7 @@
 
 Ameline et al., J. Comput. Phys. 373 (2018) 736, DOI 10.1016/j.jcp.2018.07.021: one of ψ_R, θ_R,
 φ_R "is increased progressively using algorithms 1 and 2 initialized at the current elastic rod".
-The paper tells no step. Here the step of the angle is halved where Algorithm 1 fails, needs more
+The paper gives no step. Here the step of the angle is halved where Algorithm 1 fails, needs more
 than a few iterations or moves the loads too far at once (another branch may have been met), and
 grows by half where it was easy. Below the least step the branch is said to end: a fold, where the
 Jacobian is singular.
@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, read_only
+from loopelastica.rod._arguments import check_loads
 from loopelastica.rod.clamping import Clamping
+from loopelastica.rod.paper.solver import ERRORS, FORWARD
 
 _ANGLES = {"psi": 3, "theta": 4, "phi": 5}
 # radians; a turn takes at least 60 steps
@@ -38,7 +40,7 @@ class Continuation:
     loads : (n, 6) ndarray
         F and M at S = 0 in the start frame, in K0/L² and K0/L.
     converged : bool
-        Whether the last angle is the one asked for.
+        Whether the last angle is the one requested.
     """
 
     angles: Array
@@ -87,16 +89,13 @@ def continue_angle(
     from loopelastica.rod.paper import errors as kernels
     from loopelastica.rod.paper import newton as algorithms
 
-    kinds = {"eps1": kernels.EPS1, "eps2": kernels.EPS2, "eps3": kernels.EPS3}
     if which not in _ANGLES:
         raise ValueError(f"`which` is {which!r}; it must be one of {sorted(_ANGLES)}")
-    if error not in kinds:
-        raise ValueError(f"`error` is {error!r}; it must be one of {sorted(kinds)}")
+    if error not in ERRORS:
+        raise ValueError(f"`error` is {error!r}; it must be one of {sorted(ERRORS)}")
     if clamping.free_spin:
         raise ValueError("`clamping` has a free end spin; the paper's method clamps it")
-    current = np.array(loads, dtype=np.float64)
-    if current.shape != (6,) or not np.isfinite(current).all():
-        raise ValueError("`loads` must be six finite numbers, F1 F2 F3 M1 M2 M3")
+    current = check_loads(loads)
     q = clamping.parameters
 
     def at(travel: float, start: Array) -> tuple[Array, int, bool]:
@@ -108,7 +107,7 @@ def continue_angle(
         kernels.pose_of_frame(np.array(end.position), np.array(end.rotation), target)
         f = start.copy()
         status, iterations = algorithms.newton(
-            f, target, kinds[error], torsion_ratio, kernels.PRINTED, tolerance, False
+            f, target, ERRORS[error], torsion_ratio, FORWARD["printed"], tolerance, False
         )
         return f, iterations, status == algorithms.CONVERGED
 

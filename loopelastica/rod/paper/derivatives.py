@@ -6,7 +6,7 @@ differences of second order with one step h = 1e-5 |f| for all six loads; or Rid
 which extrapolates differences of falling step to h = 0. The paper does not print Ridders' first
 step; here it is 1e-2 |f|, divided by 1.4 up to nine times (Numerical Recipes' constants).
 
-Legend: f loads, y pose, e error ε, j Jacobian.
+Legend: f loads (6,), y pose (7,), target (7,) the pose given, e error ε (6,), j Jacobian (6, 6).
 """
 
 import math
@@ -23,7 +23,7 @@ _RIDDERS_STEP, _CON, _TABLE, _SAFE = 1e-2, 1.4, 10, 2.0
 
 @kernel
 def error_at(f, target, kind, torsion_ratio, forward, y, e):
-    """Error ``e`` (6,) at the loads ``f``; False where q2 fails."""
+    """Error ``e`` (6,) at the loads ``f`` (6,); False where q2 fails."""
     if not end(f, torsion_ratio, forward, y):
         return False
     error(kind, y, target, e)
@@ -32,7 +32,7 @@ def error_at(f, target, kind, torsion_ratio, forward, y, e):
 
 @kernel
 def norm(values):
-    """Euclidean norm."""
+    """Euclidean norm of an array (n,)."""
     total = 0.0
     for c in range(values.shape[0]):
         total += values[c] * values[c]
@@ -41,7 +41,7 @@ def norm(values):
 
 @kernel
 def largest(e):
-    """Maximum norm; inf where an entry is not a number."""
+    """Maximum norm of an array (n,); inf where an entry is not a number."""
     worst = 0.0
     for c in range(e.shape[0]):
         if not abs(e[c]) <= worst:

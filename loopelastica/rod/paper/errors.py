@@ -12,18 +12,27 @@ Ameline et al., J. Comput. Phys. 373 (2018) 736, DOI 10.1016/j.jcp.2018.07.021. 
 - q2 (eq. 22): from loads through the physical parameters to the closed form, or by Bulirsch and
   Stoer's method where |t_P ± λ| < 1e-2 (end of section 2.4).
 
-Legend: f loads, y pose, q clamping parameters, e error ε.
+Legend: f loads (6,), y pose (7,), q clamping parameters (5,) or (6,), e error ε (6,).
 """
 
 import math
 
 import numpy as np
 
-from loopelastica.rod.kernels.closed_form import constants, euler_angles, landau_pose
+from loopelastica.rod.kernels.closed_form import (
+    D23,
+    QUARTER,
+    RATE,
+    U2,
+    constants,
+    euler_angles,
+    landau_pose,
+)
 from loopelastica.rod.kernels.cubic import a_min
 from loopelastica.rod.kernels.elliptic import incomplete
+from loopelastica.rod.kernels.finite_rod import FAR, NO_FORCE, turned_back
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.rotations import quaternion_from_matrix
+from loopelastica.rod.kernels.rotations import product, quaternion_from_matrix
 from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN, moment_bound, shoot, step_count
 from loopelastica.rod.paper import bulirsch_stoer
 
@@ -37,21 +46,6 @@ _SINGULAR = 1e-2
 _RTOL = 1e-12
 # steps per radian of the project's own integrator: 1e-11
 _DENSITY = 4.0
-# w s on a homoclinic tail where ρ has fallen below the last digit
-_FAR = 40.0
-# F against M² below which the closed form has no axis (see rod.parameters)
-_NO_FORCE = 1e-9
-
-
-@kernel
-def relative(p0, p1, p2, p3, q0, q1, q2, q3):
-    """conj(p) q: the frame ``q`` seen from the frame ``p``."""
-    return (
-        p0 * q0 + p1 * q1 + p2 * q2 + p3 * q3,
-        p0 * q1 - p1 * q0 - p2 * q3 + p3 * q2,
-        p0 * q2 + p1 * q3 - p2 * q0 - p3 * q1,
-        p0 * q3 - p1 * q2 + p2 * q1 - p3 * q0,
-    )
 
 
 @kernel
@@ -62,16 +56,8 @@ def wrapped(angle):
 
 
 @kernel
-def parameters(y, q):
-    """Six clamping parameters ``q`` of the pose ``y`` (eq. 6)."""
-    psi, theta, phi = euler_angles(y[3], y[4], y[5], y[6])
-    q[0], q[1], q[2] = y[0], y[1], y[2]
-    q[3], q[4], q[5] = wrapped(psi), theta, wrapped(phi)
-
-
-@kernel
 def reduced_parameters(y, q):
-    """Five clamping parameters ``q`` of the pose ``y`` (eq. 17); returns the angle φ_a (eq. 19)."""
+    """Clamping parameters ``q`` (5,) of the pose ``y`` (7,), eq. 17; returns φ_a (eq. 19)."""
     psi, theta, phi = euler_angles(y[3], y[4], y[5], y[6])
     angle = math.atan2(y[1], y[0]) if y[0] != 0.0 or y[1] != 0.0 else 0.0
     q[0], q[1] = math.hypot(y[0], y[1]), y[2]
@@ -81,7 +67,7 @@ def reduced_parameters(y, q):
 
 @kernel
 def pose_of_parameters(q, y):
-    """The pose ``y`` with η2 = 0 and five clamping parameters ``q``."""
+    """The pose ``y`` (7,) with η2 = 0 and clamping parameters ``q`` (5,)."""
     y[0], y[1], y[2] = q[0], 0.0, q[1]
     plus, minus, half = 0.5 * (q[2] + q[4]), 0.5 * (q[2] - q[4]), 0.5 * q[3]
     y[3] = math.cos(half) * math.cos(plus)
@@ -92,14 +78,14 @@ def pose_of_parameters(q, y):
 
 @kernel
 def pose_of_frame(position, rotation, y):
-    """The pose ``y`` of a position (3,) and a rotation matrix (3, 3)."""
+    """The pose ``y`` (7,) of a position (3,) and a rotation matrix (3, 3)."""
     y[:3] = position
     y[3:POSE] = quaternion_from_matrix(rotation)
 
 
 @kernel
 def error(kind, y, target, e):
-    """Error ``e`` (6,) of the pose ``y`` against the pose ``target`` (eq. 30, 31 or 32)."""
+    """Error ``e`` (6,) of the pose ``y`` (7,) against ``target`` (7,), eq. 30, 31 or 32."""
     for c in range(3):
         e[c] = target[c] - y[c]
     if kind == EPS1:
@@ -109,7 +95,8 @@ def error(kind, y, target, e):
         e[4] = theta_t - theta
         e[5] = wrapped(phi_t) - wrapped(phi)
         return
-    w, a, b, c3 = relative(y[3], y[4], y[5], y[6], target[3], target[4], target[5], target[6])
+    # the target's frame seen from the pose's
+    w, a, b, c3 = product(y[3], -y[4], -y[5], -y[6], target[3], target[4], target[5], target[6])
     if kind == EPS3:  # eq. 32, γ in [0, π]
         sign = 1.0 if w >= 0.0 else -1.0
         e[3], e[4], e[5] = sign * a, sign * b, sign * c3
@@ -121,21 +108,8 @@ def error(kind, y, target, e):
 
 
 @kernel
-def error_5d(kind, y, target, e):
-    """Error ``e`` (5,) between the reduced poses: η1, η3 and the three angles."""
-    q, six = np.empty(5), np.empty(6)
-    first, second = np.empty(POSE), np.empty(POSE)
-    reduced_parameters(y, q)
-    pose_of_parameters(q, first)
-    reduced_parameters(target, q)
-    pose_of_parameters(q, second)
-    error(kind, first, second, six)
-    e[0], e[1], e[2], e[3], e[4] = six[0], six[2], six[3], six[4], six[5]
-
-
-@kernel
 def physical_pose(lam, t_p, a, s_ini, length, torsion_ratio, y):
-    """Pose ``y`` of the rod with five physical parameters and φ0 = 0 (q1, eq. 20)."""
+    """Pose ``y`` (7,) of the rod with five physical parameters and φ0 = 0 (q1, eq. 20)."""
     c, scale = constants(lam, t_p, a)
     spin = t_p * (1.0 / torsion_ratio - 1.0)
     seen_from(
@@ -148,18 +122,15 @@ def physical_pose(lam, t_p, a, s_ini, length, torsion_ratio, y):
 
 @kernel
 def seen_from(first, second, length, y):
-    """Pose ``y`` of the second of two frames of Landau's, seen from the first; η in units of L."""
+    """Pose ``y`` (7,) of ``second`` seen from ``first``, poses in Landau's frame (seven floats).
+
+    Positions there are in units of μ, ``length`` is L/μ, and η comes in units of L.
+    """
     p0, p1, p2, p3, x0, y0, z0 = first
     q0, q1, q2, q3, x, v, z = second
     x, v, z = (x - x0) / length, (v - y0) / length, (z - z0) / length
-    # Rᵀ v of the start frame
-    a = 2.0 * (p3 * v - p2 * z)
-    b = 2.0 * (p1 * z - p3 * x)
-    g = 2.0 * (p2 * x - p1 * v)
-    y[0] = x + p0 * a - (p2 * g - p3 * b)
-    y[1] = v + p0 * b - (p3 * a - p1 * g)
-    y[2] = z + p0 * g - (p1 * b - p2 * a)
-    y[3], y[4], y[5], y[6] = relative(p0, p1, p2, p3, q0, q1, q2, q3)
+    y[0], y[1], y[2] = turned_back(p0, p1, p2, p3, x, v, z)
+    y[3], y[4], y[5], y[6] = product(p0, -p1, -p2, -p3, q0, q1, q2, q3)
 
 
 @kernel
@@ -174,7 +145,7 @@ def turn(values, angle):
 
 @kernel
 def end(f, torsion_ratio, forward, y):
-    """The mapping q2 (eq. 22): end pose ``y`` of the rod with loads ``f``; False if it fails.
+    """The mapping q2 (eq. 22): end pose ``y`` (7,) of loads ``f`` (6,); False if it fails.
 
     ``forward`` selects PRINTED (the paper's automatic choice), ANALYTIC or NUMERICAL (Bulirsch and
     Stoer).
@@ -184,7 +155,7 @@ def end(f, torsion_ratio, forward, y):
         return False
     force = math.sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2])
     moment2 = f[3] * f[3] + f[4] * f[4] + f[5] * f[5]
-    numerical = forward == NUMERICAL or force <= _NO_FORCE * max(1.0, moment2)
+    numerical = forward == NUMERICAL or force <= NO_FORCE * max(1.0, moment2)
     if forward == PRINTED and not numerical:
         mu = 1.0 / math.sqrt(force)
         t_p = f[5] * mu  # eq. 10
@@ -209,7 +180,7 @@ def project_end(f, torsion_ratio, y):
 
 @kernel
 def analytic(f, force, torsion_ratio, y):
-    """Closed form of q2: loads → p (eq. 8–11, 23–28) → q1, with the constants found once.
+    """Closed form of q2: loads (6,) → p (eq. 8–11, 23–28) → q1, with the constants found once.
 
     The same formulas as ``physical_from_loads`` and q1 one after the other, at half the cost.
     """
@@ -222,7 +193,7 @@ def analytic(f, force, torsion_ratio, y):
     c, scale = constants(lam, t_p, max(2.0 * e3 + u, a_min(lam, t_p)))  # eq. 11
     # eq. 25; u runs from u2 to u2 + 2 d23, and u − u1 = u − u2 + 2 d12
     m, m1 = scale[2, 0] * scale[2, 0], scale[1, 0] * scale[1, 0]
-    u2, d23, w, K = c[3], c[4], c[5], c[6]
+    u2, d23, w, K = c[U2], c[D23], c[RATE], c[QUARTER]
     d12 = 2.0 * w * w * m1
     s_ini = 0.0
     if d23 > 0.0:
@@ -233,7 +204,7 @@ def analytic(f, force, torsion_ratio, y):
         else:
             below = du * du / (above * (above + 2.0 * d12))
         x, _ = incomplete(math.sqrt(below), math.sqrt(above), m, m1)
-        x = min(x, K, _FAR)
+        x = min(x, K, FAR)
         s_ini = x / w if du <= 0.0 else -x / w
     # eq. 26–28: φ0 turns d1, d2 until both F and M have the components given
     spin = t_p * (1.0 / torsion_ratio - 1.0)
@@ -249,7 +220,7 @@ def analytic(f, force, torsion_ratio, y):
 
 @kernel
 def _turn_back_flat(q0, q1, q2, q3, x, y, z):
-    """First two components of Rᵀ v for the rotation R of a unit quaternion."""
+    """First two components of Rᵀ v, v = (x, y, z), for the rotation R of a unit quaternion."""
     return (
         (1.0 - 2.0 * (q2 * q2 + q3 * q3)) * x
         + 2.0 * (q1 * q2 + q0 * q3) * y
@@ -262,7 +233,7 @@ def _turn_back_flat(q0, q1, q2, q3, x, y, z):
 
 @kernel
 def turn_pose(y, angle):
-    """Turn a pose about the start tangent by ``angle`` (eq. 16), in place."""
+    """Turn a pose (7,) about the start tangent by ``angle`` (eq. 16), in place."""
     c, s = math.cos(angle), math.sin(angle)
     y[0], y[1] = c * y[0] - s * y[1], s * y[0] + c * y[1]
     # conjugation by the turn moves the quaternion's vector part

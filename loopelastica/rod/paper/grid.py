@@ -18,37 +18,26 @@ so, the test sets have 4,188, 2,712, 57,740 and 53,864 rods for δ = 2, 1, 0.5 a
 where the paper counts 3,622, 2,154, 53,170 and 50,946.
 
 A grid is built column by column, a column being one (λ, t_P), on as many threads as there are
-cores, and kept in the user's cache folder.
+cores; `grid` keeps the last few.
 """
 
 from __future__ import annotations
 
 import functools
-import hashlib
-import io
-import json
 import math
 import os
-import sys
-import tempfile
-import zipfile
-import zlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from loopelastica._arrays import Array
+from loopelastica._arrays import Array, read_only
+from loopelastica.rod._arguments import check_positive
 
 # in place of t_P = 0 (end of section 4.2)
 _NO_TWIST = 1e-3
-# raise when the contents of a grid of the same parameters change
-_VERSION = 1
-# what a damaged archive can raise on its way to the checksum
-_DAMAGE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,9 +71,24 @@ class Grid:
         return len(self.points)
 
     def nearest(self, q: ArrayLike, count: int = 1) -> NDArray[np.intp]:
-        """Indices (count,) of the guesses of least |ε1| against ``q`` (5,), nearest first (eq. 30).
+        """The guesses of least |ε1| (eq. 30).
 
-        ValueError if ``q`` is not five finite numbers or ``count`` is not positive.
+        Parameters
+        ----------
+        q : (5,) array_like
+            Clamping parameters η1, η3, ψ_R, θ_R, φ_R.
+        count : int
+            How many guesses, at most.
+
+        Returns
+        -------
+        (count,) ndarray
+            Indices, nearest first.
+
+        Raises
+        ------
+        ValueError
+            If `q` is not five finite numbers or `count` is not positive.
         """
         target = np.asarray(q, dtype=np.float64)
         if target.shape != (5,) or not np.isfinite(target).all():
@@ -99,7 +103,18 @@ class Grid:
 
 
 def spacing(size: float, step: float) -> float:
-    """α1 of eq. 41; α2 is half of it."""
+    """α1 of eq. 41; α2 is half of it.
+
+    Parameters
+    ----------
+    size, step : float
+        l and δ, dimensionless.
+
+    Returns
+    -------
+    float
+        Distance of tested points in units of δ.
+    """
     return (2.0 * size - step) / ((2.0 * size + 1.0) * step)
 
 
@@ -109,33 +124,13 @@ def _ladder(low: float, high: float, step: float) -> Array:
     return np.asarray(low + step * np.arange(rungs), dtype=np.float64)
 
 
-def _bar(items: Iterable[Array], total: int, text: str, progress: bool) -> Iterable[Array]:
-    if not progress:
-        return items
-    from tqdm import tqdm
-
-    shown: Iterable[Array] = tqdm(items, total=total, desc=text, unit="column", leave=False)
-    return shown
-
-
 def _columns(
-    kernel: Callable[[float, float], Array],
-    pairs: list[tuple[float, float]],
-    text: str,
-    progress: bool,
-    workers: int | None,
+    column: Callable[[float, float], Array], pairs: list[tuple[float, float]], workers: int | None
 ) -> Array:
     """Rows (n, 10) of all columns, on several threads, in the order of ``pairs``."""
-    kernel(*pairs[0])  # compiled before the threads meet
+    column(*pairs[0])  # compiled before the threads meet
     with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
-        rows = pool.map(lambda pair: kernel(*pair), pairs)
-        return np.vstack(list(_bar(rows, len(pairs), text, progress)))
-
-
-def _check(size: float, step: float, torsion_ratio: float) -> None:
-    for name, value in (("size", size), ("step", step), ("torsion_ratio", torsion_ratio)):
-        if not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"`{name}` is {value}; it must be positive and finite")
+        return np.vstack(list(pool.map(lambda pair: column(*pair), pairs)))
 
 
 def build(
@@ -143,7 +138,6 @@ def build(
     step: float,
     symmetry: bool = True,
     torsion_ratio: float = 1.0,
-    progress: bool = False,
     workers: int | None = None,
 ) -> Grid:
     """Compute a grid of initial guesses (eq. 33, 40).
@@ -158,8 +152,6 @@ def build(
         Use eq. 34–35: t_P from 0, images with φ_R ≤ π.
     torsion_ratio : float
         K30 = K3/K0.
-    progress : bool
-        Show a bar on standard error.
     workers : int, optional
         Threads; by default one for each core.
 
@@ -177,31 +169,44 @@ def build(
     >>> len(build(1.0, 1.0))
     210
     """
-    from loopelastica.rod.paper import grid_kernels as _grid
+    from loopelastica.rod.paper import grid_kernels
 
-    _check(size, step, torsion_ratio)
+    for name, value in (("size", size), ("step", step), ("torsion_ratio", torsion_ratio)):
+        check_positive(name, value)
     lams = _ladder(-size, size, step)
     t_ps = _ladder(0.0 if symmetry else -size, size, step)
     pairs = [(float(lam), float(t_p)) for lam in lams for t_p in t_ps]
 
     def column(lam: float, t_p: float) -> Array:
-        rows: Array = _grid.guesses(lam, t_p, size, step, _NO_TWIST, symmetry, torsion_ratio)
+        rows: Array = grid_kernels.guesses(lam, t_p, size, step, _NO_TWIST, symmetry, torsion_ratio)
         return rows
 
-    rows = _columns(column, pairs, f"grid l = {size:g}, δ = {step:g}", progress, workers)
-    return _grid_of(rows, size, step, symmetry, torsion_ratio)
+    rows = _columns(column, pairs, workers)
+    return Grid(read_only(rows[:, :5]), read_only(rows[:, 5:]), size, step, symmetry, torsion_ratio)
 
 
-def _grid_of(rows: Array, size: float, step: float, symmetry: bool, torsion_ratio: float) -> Grid:
-    points, images = np.ascontiguousarray(rows[:, :5]), np.ascontiguousarray(rows[:, 5:])
-    for array in (points, images):
-        array.setflags(write=False)
-    return Grid(points, images, size, step, symmetry, torsion_ratio)
+@functools.lru_cache(maxsize=4)
+def grid(size: float, step: float, symmetry: bool = True, torsion_ratio: float = 1.0) -> Grid:
+    """The grid of `build`, which keeps the last few in memory.
+
+    Parameters
+    ----------
+    size, step, symmetry, torsion_ratio
+        As for `build`.
+
+    Returns
+    -------
+    Grid
+
+    Raises
+    ------
+    ValueError
+        If a number is not positive and finite.
+    """
+    return build(size, step, symmetry, torsion_ratio)
 
 
-def trial_points(
-    size: float, step: float, spacing: float, progress: bool = False, workers: int | None = None
-) -> Array:
+def trial_points(size: float, step: float, spacing: float, workers: int | None = None) -> Array:
     """Physical parameters (n, 5) of the rods the paper tests with (section 4.3).
 
     Parameters
@@ -210,8 +215,8 @@ def trial_points(
         l and δ of the grid that is tested.
     spacing : float
         α, the distance of tested points in units of δ (eq. 41).
-    progress, workers
-        As in `build`.
+    workers : int, optional
+        As for `build`.
 
     Returns
     -------
@@ -223,9 +228,10 @@ def trial_points(
     ValueError
         If a number is not positive and finite.
     """
-    from loopelastica.rod.paper import grid_kernels as _grid
+    from loopelastica.rod.paper import grid_kernels
 
-    _check(size, step, spacing)
+    for name, value in (("size", size), ("step", step), ("spacing", spacing)):
+        check_positive(name, value)
     margin = 0.5 * step
     side = _ladder(-size + margin, size - margin, spacing * step)
     # the ladder meets 0 up to rounding
@@ -233,87 +239,12 @@ def trial_points(
     pairs = [(float(x), float(y)) for x in side for y in side if x != 0.0 or y != 0.0]
 
     def column(lam: float, t_p: float) -> Array:
-        rows: Array = _grid.trials(lam, t_p, size, margin, spacing * step)
+        rows: Array = grid_kernels.trials(lam, t_p, size, margin, spacing * step)
         return rows
 
-    return np.ascontiguousarray(
-        _columns(column, pairs, f"tests l = {size:g}, δ = {step:g}", progress, workers)[:, :5]
-    )
+    return np.ascontiguousarray(_columns(column, pairs, workers)[:, :5])
 
 
 def singular_share(points: Array) -> float:
     """Share of the rods (n, 5) on t_P = ±λ, which the paper prints in Fig. 4."""
     return float(np.mean(np.abs(np.abs(points[:, 0]) - np.abs(points[:, 1])) < 1e-9))
-
-
-def cache_folder() -> Path:
-    """Where grids are kept: $LOOPELASTICA_CACHE, or ``loopelastica`` in the user's cache folder."""
-    named = os.environ.get("LOOPELASTICA_CACHE")
-    if named:
-        return Path(named)
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "loopelastica"
-
-
-def _label(size: float, step: float, symmetry: bool, torsion_ratio: float) -> str:
-    return json.dumps([_VERSION, size, step, symmetry, torsion_ratio])
-
-
-def _checksum(label: str, rows: Array) -> str:
-    return hashlib.sha256(label.encode() + rows.tobytes()).hexdigest()
-
-
-def _load(path: Path, label: str) -> Array | None:
-    """The rows of a cached grid, or None where the file is absent, damaged or another grid's."""
-    try:
-        # from memory: a damaged archive would leave its file open
-        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as archive:
-            rows = np.asarray(archive["rows"], dtype=np.float64)
-            fine = str(archive["label"]) == label
-            fine = fine and str(archive["checksum"]) == _checksum(label, rows)
-    except _DAMAGE:
-        return None
-    return rows if fine and rows.ndim == 2 and rows.shape[1] == 10 else None
-
-
-def _store(path: Path, label: str, rows: Array) -> None:
-    """Write whole or not at all; a folder that cannot be written to is no fault."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
-    except OSError:
-        return
-    try:
-        with os.fdopen(handle, "wb") as file:
-            np.savez(file, rows=rows, label=label, checksum=_checksum(label, rows))
-        os.replace(name, path)
-    except OSError:
-        Path(name).unlink(missing_ok=True)
-
-
-@functools.lru_cache(maxsize=4)
-def grid(
-    size: float,
-    step: float,
-    symmetry: bool = True,
-    torsion_ratio: float = 1.0,
-    progress: bool = False,
-) -> Grid:
-    """The grid of `build`, from the cache folder where a whole copy is found there.
-
-    A damaged copy is computed anew. Parameters, return value and errors are those of `build`.
-    """
-    label = _label(float(size), float(step), bool(symmetry), float(torsion_ratio))
-    name = hashlib.sha256(label.encode()).hexdigest()[:12]
-    path = cache_folder() / f"grid-l{size:g}-d{step:g}-{name}.npz"
-    rows = _load(path, label)
-    if rows is None:
-        made = build(size, step, symmetry, torsion_ratio, progress)
-        rows = np.hstack([made.points, made.images])
-        _store(path, label, rows)
-    return _grid_of(rows, size, step, symmetry, torsion_ratio)

@@ -1,8 +1,8 @@
 """Columns of the paper's grid of guesses and of its tested rods, compiled.
 
 Ameline et al., J. Comput. Phys. 373 (2018) 736, DOI 10.1016/j.jcp.2018.07.021, eq. 33–35 and
-40–42; :mod:`loopelastica.rod.paper.grid` tells the reading. A column is one (λ, t_P); its rows (n,
-10) hold λ, t_P, a, s_ini/μ, L/μ and the image η1, η3, ψ_R, θ_R, φ_R.
+40–42; :mod:`loopelastica.rod.paper.grid` explains the reading. A column is one (λ, t_P); its rows
+(n, 10) hold λ, t_P, a, s_ini/μ, L/μ and the image η1, η3, ψ_R, θ_R, φ_R.
 """
 
 import math
@@ -40,7 +40,7 @@ def _ranges(lam, t_p, a, margin, step):
 
 @kernel
 def _column(lam, t_p, replaced, low, high, margin, step, torsion_ratio):
-    """All rows of one column; ``replaced`` is the t_P of the rods, ``t_p`` that of the bounds."""
+    """Rows (n, 10) of a column; ``replaced`` is the t_P of the rods, ``t_p`` that of the bounds."""
     floor_a = a_min(lam, replaced)
     heights = rungs(low, high, step)
     size = 0
@@ -72,7 +72,7 @@ def _column(lam, t_p, replaced, low, high, margin, step, torsion_ratio):
 
 @kernel
 def guesses(lam, t_p, size, step, no_twist, symmetric, torsion_ratio):
-    """Guesses of one column of the grid (eq. 40)."""
+    """Guesses (n, 10) of one column of the grid (eq. 40)."""
     replaced = t_p if abs(t_p) > _ROUNDING else no_twist
     rows = _column(lam, t_p, replaced, a_min(lam, t_p), size * size, 0.0, step, torsion_ratio)
     if symmetric:
@@ -86,7 +86,7 @@ def guesses(lam, t_p, size, step, no_twist, symmetric, torsion_ratio):
 
 @kernel
 def trials(lam, t_p, size, margin, step):
-    """Tested rods of one column, ``margin`` inside the bounds (section 4.3)."""
+    """Tested rods (n, 10) of one column, ``margin`` inside the bounds (section 4.3)."""
     low = a_min(lam, t_p) + margin
     rows = _column(lam, t_p, t_p, low, size * size - margin, margin, step, 1.0)
     keep = np.sqrt(rows[:, 5] ** 2 + rows[:, 6] ** 2) < _LONGEST  # eq. 42

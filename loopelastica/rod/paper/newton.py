@@ -4,7 +4,7 @@ Ameline et al., J. Comput. Phys. 373 (2018) 736, DOI 10.1016/j.jcp.2018.07.021, 
 
 Algorithm 1 drives the error ε(q2(f)) to zero over the six loads f. The Jacobian is taken by
 central differences; where the algorithm does not converge it is run again from the same guess with
-Ridders' extrapolated differences (both in ``_paper_derivatives``).
+Ridders' extrapolated differences (both in ``derivatives``).
 Algorithm 2 walks back along the Newton step, τ = 0.45, until the cost ½ ε² has fallen by Armijo's
 share ω = 1e-4 of the linear prediction. Where no step of 51 is short enough the point is called
 singular, and the algorithm starts anew from a guess whose s_ini is moved by a tenth of the period
@@ -18,15 +18,18 @@ What the paper leaves open, and what is taken here:
 - each new guess of eq. 36 is tried with central differences first, then with Ridders' method;
 - a linear system that cannot be solved counts as a singular point.
 
-Legend: f loads, y pose, e error ε, j Jacobian, d Newton step, cost C, p physical parameters.
+Legend: f loads (6,), y pose (7,), e error ε (6,), j Jacobian (6, 6), d Newton step (6,), cost C,
+p physical parameters (5,).
 """
 
 import math
 
 import numpy as np
 
-from loopelastica.rod.kernels.closed_form import loads_from_physical, period
+from loopelastica.rod.kernels.closed_form import period
+from loopelastica.rod.kernels.finite_rod import loads_from_physical
 from loopelastica.rod.kernels.jit import kernel
+from loopelastica.rod.kernels.linalg import eliminate
 from loopelastica.rod.kernels.shooting import POSE
 from loopelastica.rod.paper.derivatives import (
     central_jacobian,
@@ -45,29 +48,16 @@ _TAU, _OMEGA = 0.45, 1e-4  # Algorithm 2, lines 2 and 3
 
 
 @kernel
-def eliminate(j, e, a, d):
-    """Newton step d = −J⁻¹ε by Gaussian elimination with row pivots; False if J is singular."""
+def newton_step(j, e, a, d):
+    """Newton step d = −J⁻¹ε (6,); False if J (6, 6) is singular. ``a`` (6, 7) is scratch."""
     for i in range(6):
-        d[i] = -e[i]
+        a[i, 6] = -e[i]
         for c in range(6):
             a[i, c] = j[i, c]
-    for p in range(6):
-        best = p
-        for i in range(p + 1, 6):
-            if abs(a[i, p]) > abs(a[best, p]):
-                best = i
-        if not (abs(a[best, p]) > 0.0 and abs(a[best, p]) < math.inf):
-            return False
-        if best != p:
-            for c in range(6):
-                a[p, c], a[best, c] = a[best, c], a[p, c]
-            d[p], d[best] = d[best], d[p]
-        for i in range(p + 1, 6):
-            factor = a[i, p] / a[p, p]
-            for c in range(p, 6):
-                a[i, c] -= factor * a[p, c]
-            d[i] -= factor * d[p]
+    if eliminate(a, 6, 6, 7, 0.0) == 0.0:
+        return False
     for i in range(5, -1, -1):
+        d[i] = a[i, 6]
         for c in range(i + 1, 6):
             d[i] -= a[i, c] * d[c]
         d[i] /= a[i, i]
@@ -76,7 +66,7 @@ def eliminate(j, e, a, d):
 
 @kernel
 def line_search(f, d, decrease, cost, target, kind, torsion_ratio, forward, y, trial, e):
-    """Algorithm 2: ``f`` moves by the first step τ^j d that fulfils Armijo's rule.
+    """Algorithm 2: ``f`` (6,) moves by the first step τ^j d that fulfils Armijo's rule.
 
     ``decrease`` is g·d, ``cost`` C at ``f``. False if no step does; ``e`` belongs to the last one.
     """
@@ -106,7 +96,7 @@ def newton(f, target, kind, torsion_ratio, forward, eps_c, ridders):
     f : (6,) array
         Guess, then result.
     target : (7,) array
-        Pose wanted.
+        Pose given.
     kind, forward
         Error and mapping q2, see ``errors``.
     torsion_ratio
@@ -122,7 +112,7 @@ def newton(f, target, kind, torsion_ratio, forward, eps_c, ridders):
         Iterations are Newton steps taken.
     """
     y, e, trial = np.empty(POSE), np.empty(6), np.empty(6)
-    j, a, d = np.empty((6, 6)), np.empty((6, 6)), np.empty(6)
+    j, a, d = np.empty((6, 6)), np.empty((6, 7)), np.empty(6)
     if not error_at(f, target, kind, torsion_ratio, forward, y, e):
         return NOT_FINITE, 0
     for i in range(_ITERATIONS):
@@ -135,7 +125,7 @@ def newton(f, target, kind, torsion_ratio, forward, eps_c, ridders):
             fine = central_jacobian(f, target, kind, torsion_ratio, forward, y, j)
         if not fine:
             return NOT_FINITE, i
-        if not eliminate(j, e, a, d):  # line 10
+        if not newton_step(j, e, a, d):  # line 10
             return SINGULAR, i
         decrease = 0.0  # g·d with g = Jᵀε (line 9)
         for c in range(6):
@@ -150,9 +140,9 @@ def newton(f, target, kind, torsion_ratio, forward, eps_c, ridders):
 
 @kernel
 def reduced_loads(p, s_ini, torsion_ratio, f):
-    """Loads ``f`` of the rod with five physical parameters, turned to η1 ≥ 0, η2 = 0 (eq. 15–19).
+    """Loads ``f`` (6,) of a rod turned to η1 ≥ 0, η2 = 0 (eq. 15–19).
 
-    ``s_ini`` replaces that of ``p`` (eq. 36).
+    ``p`` (5,) are its physical parameters, but for ``s_ini`` in place of theirs (eq. 36).
     """
     y, q = np.empty(POSE), np.empty(5)
     physical_pose(p[0], p[1], p[2], s_ini, p[4], torsion_ratio, y)
@@ -172,7 +162,7 @@ def invert(p, target, kind, torsion_ratio, forward, eps_c, restarts, f):
     p : (5,) array
         Guess λ, t_P, a, s_ini/μ, L/μ.
     target : (7,) array
-        Pose wanted, with η2 = 0 and η1 ≥ 0.
+        Pose given, with η2 = 0 and η1 ≥ 0.
     restarts
         At most; the paper's nine.
     f : (6,) array

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from loopelastica.rod.kernels.closed_form import physical_from_loads
+from loopelastica.rod.kernels.finite_rod import physical_from_loads
 from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.shooting import POSE
 from loopelastica.rod.paper.errors import (
@@ -37,7 +37,7 @@ def nearest(images, q):
 
 @kernel
 def distances(images, q, kind, out):
-    """Squared norms (n,) of ε1, ε2 or ε3 in five dimensions of all ``images`` against ``q``."""
+    """Squared norms ``out`` (n,) of ε1, ε2 or ε3 of ``images`` (n, 5) against ``q`` (5,)."""
     y, target, e = np.empty(POSE), np.empty(POSE), np.empty(6)
     pose_of_parameters(q, target)
     for i in range(images.shape[0]):

@@ -28,7 +28,7 @@ class PaperSolution:
     Attributes
     ----------
     clamping : Clamping
-        What was asked for.
+        The clamping given.
     torsion_ratio : float
         K30.
     loads : (6,) ndarray
@@ -74,14 +74,40 @@ class PaperSolution:
 
 
 def turned_loads(loads: Array, angle: float) -> Array:
-    """Force and moment turned about d3."""
+    """Force and moment turned about d3.
+
+    Parameters
+    ----------
+    loads : (6,) ndarray
+        F and M in the start frame.
+    angle : float
+        Radians.
+
+    Returns
+    -------
+    (6,) ndarray
+    """
     c, s = math.cos(angle), math.sin(angle)
     z = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     return np.concatenate([z @ loads[:3], z @ loads[3:]])
 
 
 def end_residual(loads: Array, clamping: Clamping, torsion_ratio: float) -> float:
-    """Largest component of the end's position error and rotation vector."""
+    """Largest component of the end's position error and rotation vector.
+
+    Parameters
+    ----------
+    loads : (6,) ndarray
+        F and M at S = 0, in K0/L² and K0/L.
+    clamping : Clamping
+    torsion_ratio : float
+        K30 = K3/K0.
+
+    Returns
+    -------
+    float
+        inf where the loads are too large to be integrated.
+    """
     from loopelastica.rod.kernels.rotations import quaternion_from_matrix, rotation_vector
     from loopelastica.rod.paper import errors as kernels
 
@@ -93,7 +119,17 @@ def end_residual(loads: Array, clamping: Clamping, torsion_ratio: float) -> floa
 
 
 def same(one: PaperSolution, other: PaperSolution) -> bool:
-    """Section 4.5: the maximum norm of the difference of the physical parameters is below 0.1."""
+    """Whether two solutions are one (section 4.5).
+
+    Parameters
+    ----------
+    one, other : PaperSolution
+
+    Returns
+    -------
+    bool
+        Whether no physical parameter differs by 0.1 or more, s_ini modulo the period.
+    """
     p, q = one.physical, other.physical
     if p is None or q is None:
         return p is q and bool(np.abs(one.loads - other.loads).max() < _SAME)

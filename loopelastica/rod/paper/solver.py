@@ -11,7 +11,7 @@ sections 3 and 4.5. It finds *one* equilibrium of a clamping, whichever is near:
 4. undo the mirror and the turn, and give the loads back as physical parameters (eq. 23–28).
 
 Section 4.5's two ways to more solutions: :meth:`PaperSolver.several` starts from the k nearest
-guesses, :func:`continue_angle` follows one solution while an end angle turns.
+guesses, :func:`.continue_angle` follows one solution while an end angle turns.
 
 The package's own solver is :func:`loopelastica.solve`; this one is the reference that it is
 measured against.
@@ -26,9 +26,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from loopelastica._arrays import Array
+from loopelastica.rod._arguments import check_positive
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.paper import grid as _grid
-from loopelastica.rod.paper.continuation import Continuation, continue_angle
 from loopelastica.rod.paper.solutions import (
     MIRROR,
     PaperSolution,
@@ -37,17 +37,6 @@ from loopelastica.rod.paper.solutions import (
     turned_loads,
 )
 from loopelastica.rod.parameters import PhysicalParameters
-
-__all__ = [
-    "ERRORS",
-    "FORWARD",
-    "Continuation",
-    "PaperSolution",
-    "PaperSolver",
-    "continue_angle",
-    "solve_paper",
-]
-
 
 # numbers of the errors (eq. 30–32) and of the mappings q2 in the compiled code
 ERRORS = {"eps1": 1, "eps2": 2, "eps3": 3}
@@ -105,19 +94,16 @@ class PaperSolver:
     tolerance: float = 1e-7
 
     def __post_init__(self) -> None:
-        for name, known in (("error", ERRORS), ("scan", ERRORS), ("forward", FORWARD)):
+        for name, choices in (("error", ERRORS), ("scan", ERRORS), ("forward", FORWARD)):
             given = getattr(self, name)
-            if given not in known:
-                raise ValueError(f"`{name}` is {given!r}; it must be one of {sorted(known)}")
+            if given not in choices:
+                raise ValueError(f"`{name}` is {given!r}; it must be one of {sorted(choices)}")
         for name in ("l", "delta", "torsion_ratio", "tolerance"):
-            value = float(getattr(self, name))
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"`{name}` is {value}; it must be positive and finite")
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, name, check_positive(name, getattr(self, name)))
 
     @property
     def grid(self) -> _grid.Grid:
-        """The initial guesses, from the cache on disk or computed now."""
+        """The initial guesses; the last few grids are kept in memory."""
         return _grid.grid(self.l, self.delta, self.symmetry, self.torsion_ratio)
 
     def _reduced(self, clamping: Clamping) -> tuple[Array, float, bool]:
@@ -202,7 +188,7 @@ class PaperSolver:
 
         Two solutions are one if no physical parameter of p_5D differs by 0.1 or more, s_ini modulo
         the period. φ0 does not count: it follows from the others, or, where the end tangents lie
-        on one line, tells members of a circle of solutions apart that are turned about this line.
+        on one line, distinguishes members of a circle of solutions that are turned about this line.
 
         Parameters
         ----------

@@ -1,8 +1,7 @@
 """Error against run time: ours, the paper's method and what a user would write with SciPy.
 
-``_forward`` compares the ways from loads to the end of the rod, ``_inverse`` the ways from a
-clamping to a rod, ``_omissions`` what is saved by leaving out what a scene does not need, and
-``_cold`` what the first call after an installation costs.
+``forward`` compares the ways from loads to the end of the rod, ``inverse`` the ways from a clamping
+to a rod.
 """
 
 from pathlib import Path
@@ -10,9 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from loopelastica.studies.bench import _accuracy_plots, _cold, _forward, _inverse, _omissions
-from loopelastica.studies.bench._machine import setting
-from loopelastica.studies.bench._report import markdown_table, write_csv, write_text
+from loopelastica._files import write_csv, write_text
+from loopelastica.studies.bench import accuracy_plots
+from loopelastica.studies.bench import forward as forward_ways
+from loopelastica.studies.bench import inverse as inverse_ways
+from loopelastica.studies.bench.machine import setting
+from loopelastica.studies.bench.markdown import markdown_table
 
 __all__ = ["run"]
 
@@ -40,12 +42,12 @@ _INVERSE_NOTE = (
 
 
 def _ratios(inverse: dict[str, list[Row]]) -> list[str]:
-    """What the issue of speed comes down to, a line per set."""
+    """Ratios of run times, a line per set of targets."""
     lines = []
     for targets, rows in inverse.items():
         by_name = {row["method"]: row for row in rows}
-        peer = by_name[_inverse.PEER]["time_median_ms"]
-        ours, large = by_name[_inverse.OURS], by_name[_inverse.LARGE]
+        peer = by_name[inverse_ways.PEER]["time_median_ms"]
+        ours, large = by_name[inverse_ways.OURS], by_name[inverse_ways.LARGE]
         lines.append(
             f"- {targets}: median of `solve_bvp` over mean of our batch"
             f" {peer / ours['time_mean_ms']:.0f} × on the same {ours['sample']} targets,"
@@ -54,37 +56,26 @@ def _ratios(inverse: dict[str, list[Row]]) -> list[str]:
     return lines
 
 
-def _markdown(
-    forward: list[Row], inverse: dict[str, list[Row]], omissions: list[Row], cold: list[Row]
-) -> str:
+def _markdown(forward: list[Row], inverse: dict[str, list[Row]]) -> str:
     parts = [
         "# Error against run time", "", f"{setting()}; processor time of the working thread.",
-        "", "## Forward", "", markdown_table(forward, _forward.COLUMNS),
+        "", "## Forward", "", markdown_table(forward, forward_ways.COLUMNS),
         "", "## Inverse", "", _INVERSE_NOTE, "", *_ratios(inverse),
     ]  # fmt: skip
     for targets, rows in inverse.items():
-        parts += ["", f"### {targets}", "", markdown_table(rows, _inverse.COLUMNS)]
-    parts += ["", "## What a scene does not need is left out", "", _omissions.NOTE, ""]
-    parts += [markdown_table(omissions, _omissions.COLUMNS)]
-    if cold:
-        parts += ["", "## Cold start", "", _cold.NOTE, "", markdown_table(cold, _cold.COLUMNS)]
+        parts += ["", f"### {targets}", "", markdown_table(rows, inverse_ways.COLUMNS)]
     return "\n".join(parts) + "\n"
 
 
-def run(
-    out: Path, full: bool = False, cold: bool = False, seed: int = _SEED, progress: bool = True
-) -> list[Row]:
+def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True) -> list[Row]:
     """Measure error and run time of all methods on the same targets.
 
     Parameters
     ----------
     out : Path
-        Folder for ``forward.csv``, ``inverse.csv``, ``omissions.csv``, ``cold.csv``,
-        ``accuracy.md`` and ``accuracy.png``.
+        Folder for ``forward.csv``, ``inverse.csv``, ``accuracy.md`` and ``accuracy.png``.
     full : bool
-        Large samples, some forty minutes, and the cold start; otherwise two or three minutes.
-    cold : bool
-        Measure the cold start, some minutes of compiling.
+        Large samples, up to forty minutes; otherwise two or three minutes.
     seed : int
         Of the random targets and guesses.
     progress : bool
@@ -104,30 +95,18 @@ def run(
 
     out = Path(out)
     sizes = {targets: both[full] for targets, both in _TARGETS.items()}
-    total = _RODS[full] + sum(sizes.values()) + 1 + (full or cold)
     inverse = {}
-    with tqdm(total=total, disable=not progress, unit="target") as bar:
+    with tqdm(total=_RODS[full] + sum(sizes.values()), disable=not progress, unit="target") as bar:
         bar.set_description("forward")
-        forward = _forward.measure(_RODS[full], np.random.default_rng(seed), bar.update)
+        forward = forward_ways.measure(_RODS[full], np.random.default_rng(seed), bar.update)
         for targets, sample in sizes.items():
             bar.set_description(targets)
             # the same targets in whatever order the sets come
             rng = np.random.default_rng([seed, *targets.encode()])
-            inverse[targets] = _inverse.measure(targets, sample, _LARGE[full], rng, bar.update)
-        bar.set_description("omissions")
-        omissions = _omissions.measure(full, np.random.default_rng(seed))
-        bar.update()
-        starts: list[Row] = []
-        if full or cold:
-            bar.set_description("cold start")
-            starts = _cold.measure()
-            bar.update()
+            inverse[targets] = inverse_ways.measure(targets, sample, _LARGE[full], rng, bar.update)
     rows = [row for part in inverse.values() for row in part]
     write_csv(out / "forward.csv", forward)
     write_csv(out / "inverse.csv", rows)
-    write_csv(out / "omissions.csv", omissions)
-    if starts:
-        write_csv(out / "cold.csv", starts)
-    write_text(out / "accuracy.md", _markdown(forward, inverse, omissions, starts))
-    _accuracy_plots.draw(forward, inverse, out / "accuracy.png", setting())
+    write_text(out / "accuracy.md", _markdown(forward, inverse))
+    accuracy_plots.draw(forward, inverse, out / "accuracy.png", setting())
     return rows

@@ -3,13 +3,12 @@
 Simple loops only, those without pairs to nucleotides outside; first model, first candidate.
 """
 
-import csv
-import json
 import resource
 import statistics
 from pathlib import Path
 from typing import Any
 
+from loopelastica._files import write_csv, write_json
 from loopelastica.errors import LoopelasticaError
 
 
@@ -39,15 +38,12 @@ def run(folder: Path, out: Path, *, sample: int | None = None, progress: bool = 
     rows: list[dict[str, Any]] = []
     for file in tqdm(files, disable=not progress, unit="file", leave=False):
         rows += _file(file)
-    out.mkdir(parents=True, exist_ok=True)
     if rows:
-        names = list(dict.fromkeys(name for row in rows for name in row))
-        with (out / "atoms.csv").open("w", newline="", encoding="utf-8") as stream:
-            writer = csv.DictWriter(stream, fieldnames=names, lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
+        write_csv(
+            out / "atoms.csv", rows, list(dict.fromkeys(name for row in rows for name in row))
+        )
     summary = _summary(rows)
-    (out / "atoms.json").write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+    write_json(out / "atoms.json", summary)
     return "\n".join(f"{name}: {value}" for name, value in summary.items())
 
 

@@ -7,12 +7,14 @@ import typer
 
 bench = typer.Typer(help="Measure the solvers; write tables and pictures.", no_args_is_help=True)
 
+_RESULTS = Path("loopelastica-bench")
+_Out = Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")]
+_Seed = Annotated[int, typer.Option(help="Seed of the random rods and poses.")]
+
 
 @bench.command("paper")
 def bench_paper(
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
-        "loopelastica-bench/paper"
-    ),
+    out: _Out = _RESULTS / "paper",
     full: Annotated[bool, typer.Option("--full", help="Every rod of the paper's sets.")] = False,
     sample: Annotated[int, typer.Option(help="Rods per cell otherwise.", min=1)] = 400,
     own_full: Annotated[
@@ -29,9 +31,7 @@ def bench_paper(
 @bench.command("atoms")
 def bench_atoms(
     folder: Annotated[Path, typer.Argument(help="Folder of structure files.", show_default=False)],
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
-        "loopelastica-bench/atoms"
-    ),
+    out: _Out = _RESULTS / "atoms",
     sample: Annotated[
         int | None, typer.Option(help="Only so many files, evenly spread.", min=1)
     ] = None,
@@ -45,11 +45,9 @@ def bench_atoms(
 
 @bench.command("stability")
 def bench_stability(
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
-        "loopelastica-bench/stability"
-    ),
+    out: _Out = _RESULTS / "stability",
     full: Annotated[bool, typer.Option("--full", help="Large samples; some minutes.")] = False,
-    seed: Annotated[int, typer.Option(help="Seed of the random poses.")] = 2026,
+    seed: _Seed = 2026,
 ) -> None:
     """Solve stiff, extreme and degenerate clampings; judge each result independently."""
     from loopelastica.studies.bench.stability import run
@@ -60,23 +58,16 @@ def bench_stability(
 
 @bench.command("accuracy")
 def bench_accuracy(
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
-        "loopelastica-bench/accuracy"
-    ),
-    full: Annotated[bool, typer.Option("--full", help="Large samples; some forty minutes.")] = (
-        False
-    ),
-    cold: Annotated[bool, typer.Option("--cold", help="The cold start too; minutes more.")] = (
-        False
-    ),
-    seed: Annotated[int, typer.Option(help="Seed of the random targets.")] = 2026,
+    out: _Out = _RESULTS / "accuracy",
+    full: Annotated[bool, typer.Option("--full", help="Large samples, forty minutes.")] = False,
+    seed: _Seed = 2026,
 ) -> None:
     """Compare error and run time with the paper's method and SciPy's, on the same targets."""
     from loopelastica.errors import MissingDependencyError
     from loopelastica.studies.bench.accuracy import run
 
     try:
-        run(out, full=full, cold=cold, seed=seed, progress=True)
+        run(out, full=full, seed=seed, progress=True)
     except MissingDependencyError as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(1) from None
@@ -85,11 +76,9 @@ def bench_accuracy(
 
 @bench.command("scaling")
 def bench_scaling(
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
-        "loopelastica-bench/scaling"
-    ),
+    out: _Out = _RESULTS / "scaling",
     full: Annotated[bool, typer.Option("--full", help="Up to a million rods.")] = False,
-    seed: Annotated[int, typer.Option(help="Seed of the random rods.")] = 2026,
+    seed: _Seed = 2026,
 ) -> None:
     """Measure time and memory over the number of rods, threads, length and equilibria."""
     from loopelastica.studies.bench.scaling import run

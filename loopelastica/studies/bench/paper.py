@@ -9,10 +9,8 @@ steps spent on a rod, those of failed runs included.
 The rods of a cell are taken in a random order that a seed fixes, so that any number of first ones
 is a fair sample and a longer run continues a shorter one. What has been measured is kept in
 ``partial/`` of the output folder after each chunk; an interrupted run goes on from there, and a
-sample already larger than asked for is used whole.
+sample already larger than requested is used whole.
 """
-
-from __future__ import annotations
 
 import io
 import json
@@ -20,8 +18,7 @@ import os
 import time
 import zipfile
 import zlib
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,12 +26,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
-from loopelastica.rod.paper import ERRORS, FORWARD, PaperSolver
-from loopelastica.rod.paper import grid as _grid
-from loopelastica.studies.bench import _own
-from loopelastica.studies.bench._report import markdown_table, write_bytes, write_csv, write_text
+from loopelastica._files import whole_file, write_csv, write_text
+from loopelastica.rod.paper import ERRORS, FORWARD, PaperSolver, grid, grid_kernels
+from loopelastica.rod.paper import path as paper_path
+from loopelastica.studies.bench import ours, paper_plots
+from loopelastica.studies.bench.markdown import markdown_table
+from loopelastica.studies.bench.paper_cells import Cell, cells_of
 
-__all__ = ["Cell", "run"]
+__all__ = ["run"]
 
 Row = dict[str, Any]
 
@@ -50,77 +49,21 @@ _DEFECT, _ITERATIONS, _RESTARTS, _RIDDERS, _STATUS = range(5)
 _VERSION = 1
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """One setting of the paper's studies, and what the paper prints about it."""
-
-    figure: int
-    l: float  # noqa: E741 (the paper's letter)
-    delta: float
-    error: str
-    symmetry: bool
-    halved: bool  # α2 = α1/2 instead of α1 (section 4.3)
-    paper_rods: int
-    paper_success_percent: float | None = None
-    paper_time_ms: float | None = None
-    scan: str = "eps1"
-
-    @property
-    def spacing(self) -> float:
-        """α1 or α2 (eq. 41)."""
-        return _grid.spacing(self.l, self.delta) * (0.5 if self.halved else 1.0)
-
-    @property
-    def name(self) -> str:
-        """File name of the partial results; figures share a cell that is in both."""
-        half = "s" if self.symmetry else "n"
-        scan = "" if self.scan == "eps1" else f"-scan-{self.scan}"
-        return f"l{self.l:g}-d{self.delta:g}-{self.error}-{half}{scan}"
-
-
-def _cells(figures: Sequence[int]) -> list[Cell]:
-    """The cells of Fig. 3 and of Fig. 4, in the paper's order."""
-    cells = []
-    if 3 in figures:
-        for delta, halved, rods in (
-            (2.0, False, 3622),
-            (1.0, False, 2154),
-            (0.5, True, 53170),
-            (0.25, True, 50946),
-        ):
-            for error in ERRORS:
-                # in words: 99.9 % at δ = 0.5 for each error; 94 % and 263 ms at δ = 2 with ε3
-                success = 99.9 if delta == 0.5 else None
-                milliseconds = None
-                if delta == 2.0 and error == "eps3":
-                    success, milliseconds = 94.0, 263.0
-                cells.append(Cell(3, 2.0, delta, error, True, halved, rods, success, milliseconds))
-        # "one additional test (not in Figure 3)": ε3 to scan the grid as well
-        cells.append(Cell(3, 2.0, 2.0, "eps3", True, False, 3622, 94.9, 171.0, "eps3"))
-    if 4 in figures:
-        for size, rods in ((2, 53170), (3, 82260), (5, 142552), (7, 191004), (10, 328152)):
-            for symmetry in (True, False):
-                cells.append(Cell(4, float(size), 0.5, "eps2", symmetry, True, rods, 99.9))
-    return cells
-
-
 def _shuffled(cell: Cell, seed: int) -> Array:
     """The cell's rods (n, 5) in the random order of the seed."""
-    rods = _grid.trial_points(cell.l, cell.delta, cell.spacing)
+    rods = grid.trial_points(cell.l, cell.delta, cell.spacing)
     return np.ascontiguousarray(rods[np.random.default_rng(seed).permutation(len(rods))])
 
 
 def _measure(rods: Array, solver: PaperSolver) -> tuple[Array, float]:
     """Results (n, 5) of the testing path, and the seconds it took."""
-    from loopelastica.rod.paper import path as paper_path
-
-    grid, out = solver.grid, np.empty((len(rods), 5))
+    guesses, out = solver.grid, np.empty((len(rods), 5))
     # processor time: other work on the machine does not count
     started = time.thread_time()
     paper_path.paths(
         rods,
-        grid.points,
-        grid.images,
+        guesses.points,
+        guesses.images,
         solver.symmetry,
         ERRORS[solver.scan],
         ERRORS[solver.error],
@@ -146,9 +89,31 @@ def _read(path: Path, label: str) -> tuple[Array, float]:
 
 
 def _write(path: Path, label: str, results: Array, seconds: float) -> None:
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, label=label, results=results, seconds=seconds)
-    write_bytes(path, buffer.getvalue())
+    with whole_file(path) as part:
+        np.savez_compressed(part, label=label, results=results, seconds=seconds)
+
+
+def _tested(
+    rods: Array,
+    requested: int,
+    solver: PaperSolver,
+    path: Path,
+    label: str,
+    show: Callable[[int], object],
+) -> tuple[Array, float]:
+    """Results of the first ``requested`` rods or more, and seconds; kept in ``path`` on the way.
+
+    ``show`` is called with the number of rods done before each chunk.
+    """
+    results, seconds = _read(path, label)
+    if len(results) < requested:
+        _measure(rods[:2], solver)  # compiled, and its grid built, before the clock starts
+    for first in range(len(results), requested, _CHUNK):
+        show(first)
+        more, took = _measure(rods[first : min(first + _CHUNK, requested)], solver)
+        results, seconds = np.vstack([results, more]), seconds + took
+        _write(path, label, results, seconds)
+    return results, seconds
 
 
 def _row(cell: Cell, rods: Array, results: Array, seconds: float, guesses: int) -> Row:
@@ -178,7 +143,7 @@ def _row(cell: Cell, rods: Array, results: Array, seconds: float, guesses: int) 
         "first_run_percent": percent(success & (results[:, _RIDDERS] == 0)),
         "iterations": round(float(results[:, _ITERATIONS].mean()), 3),
         "restarts": round(float(results[:, _RESTARTS].mean()), 4),
-        "singular_percent": round(100.0 * _grid.singular_share(rods), 2),
+        "singular_percent": round(100.0 * grid.singular_share(rods), 2),
         "time_ms": round(1e3 * seconds / len(results), 4),
         "paper_time_ms": cell.paper_time_ms,
     }
@@ -217,7 +182,7 @@ def _own_rows(
     for cell in tqdm(sets.values(), disable=not progress, unit="set", desc="own solver"):
         rods = _shuffled(cell, seed)
         tested = len(rods) if whole else min(sample, len(rods))
-        rows.append(_own.row(cell.l, cell.delta, rods, tested, min(2, os.cpu_count() or 1)))
+        rows.append(ours.row(cell.l, cell.delta, rods, tested, min(2, os.cpu_count() or 1)))
     return rows
 
 
@@ -238,27 +203,23 @@ def _markdown(rows: Sequence[Row], own: Sequence[Row], solver: PaperSolver) -> s
             parts += ["", f"## {title}", "", markdown_table(chosen, _COLUMNS)]
     if own:
         parts += ["", "## The package's own solver on the same rods (wall time)", ""]
-        parts += [markdown_table(own, _own.COLUMNS)]
+        parts += [markdown_table(own, ours.COLUMNS)]
     return "\n".join(parts) + "\n"
 
 
 def _draw(rows: Sequence[Row], figures: Sequence[int], out: Path, seed: int) -> None:
-    from loopelastica.studies.bench import _paper_plots as plots
-
-    for figure, draw in ((3, plots.draw_steps), (4, plots.draw_sizes)):
+    for figure, draw in ((3, paper_plots.draw_steps), (4, paper_plots.draw_sizes)):
         chosen = [row for row in rows if row["figure"] == figure]
         if chosen:
             draw(chosen, out / f"fig{figure}.png")
     if 5 in figures:
-        from loopelastica.rod.paper import grid_kernels as kernels
-
         cell = Cell(5, 2.0, 0.5, "eps2", True, True, 53170)
         rods = _shuffled(cell, seed)
-        images = kernels.images(rods, 1.0)
+        images = grid_kernels.images(rods, 1.0)
         results, _ = _read(_partial(out, cell), _label(cell, seed, len(rods), _solver(cell)))
         missed = np.zeros(len(rods), dtype=np.bool_)
         missed[: len(results)] = results[:, _DEFECT] >= _SUCCESS
-        plots.draw_targets(images, missed, out / "fig5.png")
+        paper_plots.draw_targets(images, missed, out / "fig5.png")
 
 
 def _solver(cell: Cell) -> PaperSolver:
@@ -320,23 +281,19 @@ def run(
 
     out = Path(out)
     rows = []
-    cells = _cells(figures)
+    cells = cells_of(figures)
     bar = tqdm(total=len(cells), disable=not progress, unit="cell")
     with bar:
         for cell in cells:
             solver = _solver(cell)
             rods = _shuffled(cell, seed)
+            requested = len(rods) if full else min(sample, len(rods))
             label = _label(cell, seed, len(rods), solver)
-            results, seconds = _read(_partial(out, cell), label)
-            wanted = len(rods) if full else min(sample, len(rods))
-            if len(results) < wanted:
-                _measure(rods[:2], solver)  # compiled, and its grid loaded, before the clock starts
-            while len(results) < wanted:
-                bar.set_description(f"{cell.name} {len(results):,d}/{wanted:,d}")
-                done = len(results)
-                more, took = _measure(rods[done : min(done + _CHUNK, wanted)], solver)
-                results, seconds = np.vstack([results, more]), seconds + took
-                _write(_partial(out, cell), label, results, seconds)
+
+            def show(done: int, goal: str = f"{requested:,d}, {cell.name}") -> None:
+                bar.set_description(f"{done:,d} of {goal}")
+
+            results, seconds = _tested(rods, requested, solver, _partial(out, cell), label, show)
             rows.append(_row(cell, rods, results, seconds, len(solver.grid)))
             bar.update()
     own = _own_rows(cells, full or own_full, sample, seed, progress)

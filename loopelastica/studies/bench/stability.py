@@ -1,35 +1,30 @@
 """The solver under stress: poses of every kind, and what became of them.
 
 Each case is a way to draw clampings. All are solved as one batch (mean time), some one by one
-(median and 99th percentile), and some results are judged by an evaluation that shares nothing with
-the solver: SciPy's integrator on frames as matrices, between nodes that follow the rod's own rate
-of turning. Where the rod is two tails with a straight middle, the moment is taken from the
-curvature of the tail itself, not from M0 + F × r, whose rounding grows with F. A case whose poses
-no rod fits counts as solved where they are refused for the right reason.
+(median and 99th percentile), and some results are judged by another integrator (``judge``). A case
+whose poses no rod fits counts as solved where they are refused for the right reason.
 """
 
-import io
 import json
-import math
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from loopelastica._arrays import Array
+from loopelastica._files import write_csv, write_json, write_text
 from loopelastica.rod.batch import Batch, solve_batch
 from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.records import Status
 from loopelastica.rod.solve import solve
-from loopelastica.studies.bench import _poses as poses
-from loopelastica.studies.bench._poses import Case
-from loopelastica.studies.bench._report import markdown_table, write_bytes, write_csv, write_text
+from loopelastica.studies.bench.cases import Case, all_cases
+from loopelastica.studies.bench.judge import independent
+from loopelastica.studies.bench.markdown import markdown_table
+from loopelastica.studies.figures import new_figure, save_figure
 
-__all__ = ["independent", "run"]
+__all__ = ["run"]
 
 Row = dict[str, Any]
 
@@ -38,111 +33,6 @@ _SEED = 2026
 _TIMED, _CHECKED = (40, 300), (3, 12)
 # the default sample is the full one over this, and no less than that
 _SHARE, _LEAST = 50, 12
-# decay lengths after which a tail is straight to rounding
-_LAYER = 32.0
-# radians that the rod turns between two nodes of the check, and the most intervals
-_TURN, _INTERVALS = 0.75, 4000
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-
-
-def _layers(rod: Equilibrium) -> tuple[Array, float]:
-    """Nodes of the check, and the length of each tail's layer; 0 where the rod is no two tails."""
-    force = float(np.linalg.norm(rod.loads[:3]))
-    decay = math.sqrt(max(force - 0.25 * rod.loads[5] ** 2, 0.0))
-    twist = abs(rod.loads[5]) / rod.torsion_ratio
-    if len(rod.layers) and decay > 2.0 * _LAYER:
-        layer = _LAYER / decay
-        n = min(int(layer * (2.0 * math.sqrt(force) + twist) / _TURN) + 8, _INTERVALS)
-        near = np.linspace(0.0, layer, n + 1)
-        return np.concatenate([near, 1.0 - near[::-1]]), layer
-    hamiltonian = float(rod.loads[3:] @ rod.loads[3:]) + 2.0 * abs(rod.loads[2])
-    rate = max(math.sqrt(max(hamiltonian, 2.0 * force)), twist, 1.0)
-    return np.linspace(0.0, 1.0, min(int(rate / _TURN) + 16, _INTERVALS) + 1), 0.0
-
-
-def _march(
-    frames: Array, moment: Array, h: Array, force: Array, torsion_ratio: float
-) -> tuple[Array, Array]:
-    """Displacements over h and frames at the ends of all intervals at once, by SciPy."""
-    from scipy.integrate import solve_ivp
-
-    n, step = len(h), h[:, None]
-
-    def slope(_: float, y: Array) -> Array:
-        state = y.reshape(n, 12)
-        frame = state[:, 3:].reshape(n, 3, 3)
-        t = frame[:, :, 2]
-        m = moment + np.cross(force, step * state[:, :3])
-        omega = step * (m + (1.0 / torsion_ratio - 1.0) * (m * t).sum(1)[:, None] * t)
-        turned = np.cross(omega[:, None, :], frame.transpose(0, 2, 1)).transpose(0, 2, 1)
-        return np.asarray(np.hstack([t, turned.reshape(n, 9)])).ravel()
-
-    start = np.hstack([np.zeros((n, 3)), frames.reshape(n, 9)]).ravel()
-    end = solve_ivp(slope, (0.0, 1.0), start, "DOP853", rtol=3e-12, atol=1e-13).y[:, -1]
-    state = end.reshape(n, 12)
-    return state[:, :3] * step, state[:, 3:].reshape(n, 3, 3)
-
-
-def _tail_moments(rod: Equilibrium, at: int, moved: Array) -> Array:
-    """Moments at the nodes of both layers from displacements, zero bending where they end."""
-    force = rod.loads[:3]
-    twist = rod.loads[5] * force / np.linalg.norm(force)
-    near, far = moved[:at], moved[at + 1 :]
-    back = np.vstack([-np.cumsum(near[::-1], axis=0)[::-1], np.zeros(3)])
-    ahead = np.vstack([np.zeros(3), np.cumsum(far, axis=0)])
-    return np.asarray(twist + np.cross(force, np.vstack([back, ahead])))
-
-
-def independent(rod: Equilibrium) -> tuple[float, float]:
-    """Misfit of center line, frames and ends by another integrator; relative error of the energy.
-
-    The misfit is the largest component of position (L) or frame between neighbouring nodes.
-    """
-    misfit, energy_error = misfits(rod)
-    return float(misfit.max()), energy_error
-
-
-def misfits(rod: Equilibrium) -> tuple[Array, float]:
-    """Largest component at start and end and from each node to the next; error of the energy.
-
-    Their sum bounds, but for how the rod itself magnifies it, what is missing at the end.
-    """
-    s, layer = _layers(rod)
-    h, force = np.diff(s), np.asarray(rod.loads[:3])
-    line, frames = rod.centerline(s), rod.frames(s)
-    inner = (s[:-1, None] + 0.5 * h[:, None] * (1.0 + _POINTS)).ravel()
-    tangents = rod.frames(inner)[:, :, 2].reshape(len(h), -1, 3)
-    keep = np.ones(len(h), dtype=np.bool_)
-    first = max(np.abs(line[0]).max(), np.abs(frames[0] - np.eye(3)).max())
-    last = np.abs(line[-1] - rod.clamping.position).max()
-    last = max(last, np.abs(frames[-1] - rod.clamping.rotation).max())
-    jumps = np.zeros(len(h))
-    twist = 0.5 * rod.loads[5] ** 2 / rod.torsion_ratio
-    if layer:
-        at = len(s) // 2 - 1
-        keep[at] = False
-        size = float(np.linalg.norm(force))
-        moved = 0.5 * h[:, None] * (_WEIGHTS[:, None] * tangents).sum(axis=1)
-        for _ in range(2):
-            moment = _tail_moments(rod, at, moved)[:-1]
-            moved[keep], turned = _march(
-                frames[:-1][keep], moment[keep], h[keep], force, rod.torsion_ratio
-            )
-        spun = Rotation.from_rotvec([0, 0, rod.loads[5] / rod.torsion_ratio * h[at]])
-        jumps[at] = np.abs(frames[at] @ spun.as_matrix() - frames[at + 1]).max()
-        jumps[at] = max(jumps[at], np.abs(line[at] + h[at] * force / size - line[at + 1]).max())
-        # the first integral, free of the rounding of F × r
-        bending = 0.5 * size * ((tangents - force / size) ** 2).sum(axis=2)
-        bending[at] = 0.0
-    else:
-        moment = rod.moment(s)[:-1]
-        moved, turned = _march(frames[:-1], moment, h, force, rod.torsion_ratio)
-        bending = 0.5 * rod.curvature(inner).reshape(len(h), -1) ** 2
-    jumps[keep] = np.abs((line[:-1] + moved - line[1:])[keep]).max(axis=1)
-    jumps[keep] = np.maximum(jumps[keep], np.abs(turned - frames[1:][keep]).max(axis=(1, 2)))
-    energy = float((0.5 * h) @ (bending @ _WEIGHTS)) + twist
-    energy_error = abs(energy - rod.energy) / max(abs(rod.energy), 1e-12)
-    return np.array([first, last, *jumps]), energy_error
 
 
 def _size(case: Case, full: bool) -> int:
@@ -159,7 +49,7 @@ def _measure(case: Case, full: bool, seed: int) -> tuple[Row, list[Row], list[li
     def batch_of(rows: slice) -> Batch:
         return solve_batch(positions[rows], rotations[rows], case.torsion_ratio, lowest=case.lowest)
 
-    batch_of(slice(0, 2))  # compiled, and its stored rods loaded, before the clock starts
+    batch_of(slice(0, 2))  # compiled, and its guess library loaded, before the clock starts
     started = time.perf_counter()
     batch = batch_of(slice(None))
     mean = 1e3 * (time.perf_counter() - started) / len(batch)
@@ -179,8 +69,8 @@ def _measure(case: Case, full: bool, seed: int) -> tuple[Row, list[Row], list[li
     failures = [
         {
             "case": case.name, "torsion_ratio": case.torsion_ratio, "lowest": case.lowest,
-            "status": int(batch.status[i]), "position": positions[i].tolist(),
-            "rotation": rotations[i].tolist(),
+            "status": int(batch.status[i]), "position": _numbers(positions[i]),
+            "rotation": _numbers(rotations[i]),
         }
         for i in np.flatnonzero(~right)
     ]  # fmt: skip
@@ -190,6 +80,13 @@ def _measure(case: Case, full: bool, seed: int) -> tuple[Row, list[Row], list[li
         if batch.converged[i]
     ]
     return _row(case, batch, right, mean, timed, checks, root), failures, points
+
+
+def _numbers(values: Array) -> Any:
+    """Nested lists with None where a value is not finite, which JSON cannot hold."""
+    numbers = values.astype(object)
+    numbers[~np.isfinite(values)] = None
+    return numbers.tolist()
 
 
 def _row(
@@ -240,11 +137,7 @@ _COLUMNS = {
 
 
 def _draw(points: Array, path: Path) -> None:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.0, 3.8), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(9.0, 3.8)
     labels = ("residual", "run time, one pose / ms")
     for axis, column, label in zip(figure.subplots(1, 2), (1, 2), labels, strict=True):
         # a logarithm needs a floor: rods without force, residuals of exactly 0
@@ -252,9 +145,7 @@ def _draw(points: Array, path: Path) -> None:
         axis.loglog(x, y, ".", ms=2, alpha=0.5, color="#1b6ca8", rasterized=True)
         axis.set_xlabel("stiffness √(F L²/K0)")
         axis.set_ylabel(label)
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=150)
-    write_bytes(path, buffer.getvalue())
+    save_figure(figure, path)
 
 
 def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True) -> list[Row]:
@@ -283,7 +174,7 @@ def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True)
     rows: list[Row] = []
     failures: list[Row] = []
     points: list[list[float]] = []
-    bar = tqdm(poses.all_cases(), disable=not progress, unit="case")
+    bar = tqdm(all_cases(), disable=not progress, unit="case")
     for number, case in enumerate(bar):
         bar.set_description(f"{case.name}, K30 = {case.torsion_ratio:g}")
         label = [case.name, case.torsion_ratio, case.lowest, _size(case, full), full, seed]
@@ -294,7 +185,7 @@ def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True)
             kept = None
         if not isinstance(kept, dict) or kept.get("label") != label:
             kept = {"label": label, "result": _measure(case, full, seed)}
-            write_text(path, json.dumps(kept))
+            write_json(path, kept)
         row, failed, timed = kept["result"]
         rows.append(row)
         failures += failed
@@ -302,6 +193,6 @@ def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True)
     write_csv(out / "stability.csv", rows)
     head = "# Poses of every kind\n\nResiduals and times of one core; see `stability.csv`.\n\n"
     write_text(out / "stability.md", head + markdown_table(rows, _COLUMNS) + "\n")
-    write_text(out / "failures.json", json.dumps(failures, indent=1).replace("NaN", "null"))
+    write_json(out / "failures.json", failures)
     _draw(np.array(points).reshape(-1, 3), out / "stability.png")
     return rows

@@ -1,7 +1,7 @@
 """Simple curves between two clamps: what a rod has to beat.
 
-Each gives points at fractions of its own arc length, Å, and knows positions, tangents and length of
-the ends, nothing else.
+Each gives points at fractions of its own arc length, Å, and is given positions, tangents and length
+of the ends, nothing else.
 """
 
 import numpy as np
@@ -14,16 +14,39 @@ _DENSE = 400
 
 
 def chord(ends: StemEnds, s: Array) -> Array:
-    """Points (n, 3) of the straight line between the ends at the fractions `s`."""
+    """Points of the straight line between the ends.
+
+    Parameters
+    ----------
+    ends : StemEnds
+        Positions and tangents of the ends, and the length, Å.
+    s : (n,) ndarray
+        Fractions of the arc length, in [0, 1].
+
+    Returns
+    -------
+    (n, 3) ndarray
+        Å.
+    """
     start, end = np.asarray(ends.start_origin_A), np.asarray(ends.end_origin_A)
     return np.asarray(start + s[:, None] * (end - start))
 
 
 def arc(ends: StemEnds, s: Array) -> Array:
-    """Points (n, 3) of the circular arc of the rod's length.
+    """Points of the circular arc of the rod's length.
 
     It lies in the plane of the chord and of the difference of the two tangents, on the side to
     which the start points more than the end does.
+
+    Parameters
+    ----------
+    ends, s
+        As for `chord`.
+
+    Returns
+    -------
+    (n, 3) ndarray
+        Å.
     """
     start, step, up = _plane(ends)
     distance = float(np.linalg.norm(step))
@@ -39,7 +62,18 @@ def arc(ends: StemEnds, s: Array) -> Array:
 
 
 def hermite(ends: StemEnds, s: Array) -> Array:
-    """Points (n, 3) of the cubic with the ends' tangents, scaled to the rod's length."""
+    """Points of the cubic with the ends' tangents, scaled to the rod's length.
+
+    Parameters
+    ----------
+    ends, s
+        As for `chord`.
+
+    Returns
+    -------
+    (n, 3) ndarray
+        Å.
+    """
     start, end = np.asarray(ends.start_origin_A), np.asarray(ends.end_origin_A)
     t0, t1 = np.asarray(ends.start_frame)[:, 2], np.asarray(ends.end_frame)[:, 2]
     u = np.linspace(0.0, 1.0, _DENSE + 1)[:, None]
@@ -64,7 +98,7 @@ def hermite(ends: StemEnds, s: Array) -> Array:
 
 
 def stem_axes(ends: StemEnds) -> tuple[Array, Array]:
-    """Middle of the ends and axes (columns): along the chord, across, and towards the loop."""
+    """Middle (3,) of the ends and axes (3, 3), in columns: along the chord, across, to the loop."""
     start, step, up = _plane(ends)
     x = step / np.linalg.norm(step)
     return start + 0.5 * step, np.stack([x, np.cross(up, x), up], axis=1)

@@ -167,7 +167,7 @@ def _by_curves(fold: LoopFold, plain: LoopFold) -> dict[str, Any]:
 def _grid(stem: PlacedStem, native: Array) -> list[list[float | None]]:
     """RMSD of the lowest rod at each taper and extension, taken back where none spans the ends."""
     length = plain_clamp(stem.hairpin.is_dna).length_per_nucleotide_A
-    known: dict[StemClamp, float] = {}
+    solved: dict[StemClamp, float] = {}
     table = []
     for taper in TAPERS:
         row: list[float | None] = []
@@ -181,7 +181,7 @@ def _grid(stem: PlacedStem, native: Array) -> list[list[float | None]]:
             except StructureError:
                 row.append(None)
                 continue
-            if ends.clamp not in known:
+            if ends.clamp not in solved:
                 rod = solve(clamping_of(ends, free_spin=True))
                 line = to_file_coordinates(
                     rod.centerline(_places(ends)),
@@ -189,8 +189,8 @@ def _grid(stem: PlacedStem, native: Array) -> list[list[float | None]]:
                     ends.start_frame,
                     ends.length_A,
                 )
-                known[ends.clamp] = rmsd_A(_trace(ends, line), native)
-            row.append(known[ends.clamp])
+                solved[ends.clamp] = rmsd_A(_trace(ends, line), native)
+            row.append(solved[ends.clamp])
         table.append(row)
     return table
 

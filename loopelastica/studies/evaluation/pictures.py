@@ -1,11 +1,12 @@
 """Pictures of the scoreboard; matplotlib is loaded when the first one is drawn."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from loopelastica.studies.figures import new_figure, save_figure
 
 _SHOWN = {
     "rmsd_first_A": "rod, rule",
@@ -18,7 +19,15 @@ _SHOWN = {
 
 
 def draw(rows: list[dict[str, Any]], out: Path) -> None:
-    """Write rmsd_by_length.png, energy_and_rmsd.png and rank_of_best.png (simple loops)."""
+    """Write ``rmsd_by_length.png``, ``energy_and_rmsd.png`` and ``rank_of_best.png``.
+
+    Parameters
+    ----------
+    rows : list of dict
+        Of all loops; simple ones are drawn.
+    out : Path
+        Folder.
+    """
     simple = [row for row in rows if row["simple"]]
     _picture(out / "rmsd_by_length.png", lambda axes: _by_length(axes, simple))
     _picture(out / "energy_and_rmsd.png", lambda axes: _energy(axes, simple))
@@ -26,15 +35,9 @@ def draw(rows: list[dict[str, Any]], out: Path) -> None:
 
 
 def _picture(path: Path, fill: Callable[[Any], None]) -> None:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.5, 4.5), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(7.5, 4.5)
     fill(figure.add_subplot())
-    part = path.with_name(f".{path.stem}.part.png")
-    figure.savefig(part, dpi=110)
-    os.replace(part, path)
+    save_figure(figure, path, dpi=110)
 
 
 def _by_length(axes: Any, rows: list[dict[str, Any]]) -> None:

@@ -55,10 +55,10 @@ def refitted_A(rows: list[dict[str, Any]]) -> dict[str, Array]:
             best_taper = int(sums.min(axis=2).sum(axis=0).argmin())
             entries = sums[:, best_taper].argmin(axis=1)
             # a length that no other family has keeps the rule's entry
-            known = np.bincount(classes[train], minlength=len(LENGTHS)) > 0
+            elsewhere = np.bincount(classes[train], minlength=len(LENGTHS)) > 0
             for i in np.flatnonzero(out & (kinds == kind)):
                 taper_alone[i] = grid[i, taper, of_rule[i]]
-                entry = entries[classes[i]] if known[classes[i]] else of_rule[i]
+                entry = entries[classes[i]] if elsewhere[classes[i]] else of_rule[i]
                 everything[i] = grid[i, best_taper, entry]
     return {"taper": taper_alone, "all": everything}
 
@@ -66,7 +66,21 @@ def refitted_A(rows: list[dict[str, Any]]) -> dict[str, Array]:
 def interval(
     difference_A: Array, families: list[str], seed: int = 20181115
 ) -> tuple[float, float, float]:
-    """Mean over families of a paired difference, and the 95 % bootstrap interval over families."""
+    """Mean of a paired difference over families, and its 95 % bootstrap interval.
+
+    Parameters
+    ----------
+    difference_A : (n,) ndarray
+        Of each loop, Å.
+    families : list of str
+        The family of each loop; families are drawn, not loops.
+    seed : int
+
+    Returns
+    -------
+    mean, low, high : float
+        Å.
+    """
     names = sorted(set(families))
     of = np.array(families)
     means = np.array([difference_A[of == name].mean() for name in names])

@@ -1,13 +1,11 @@
 """From the rows of all loops to the scoreboard: CSV, markdown and pictures."""
 
-import csv
-import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from loopelastica._files import write_csv, write_text
 from loopelastica.batch.run import Run, run, tasks_of
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.evaluation.loops import COLUMNS, EVALUATION
@@ -31,7 +29,7 @@ METHODS = {
 }
 RIVALS = tuple(name for name in METHODS if not name.startswith(("rmsd_", "models_", "refit_")))
 _SUFFIXES = (".pdb", ".ent", ".cif", ".mmcif")
-_MORE = ("mean_loop_A", "refit_taper_A", "refit_all_A")
+_COLUMNS = (*COLUMNS, "mean_loop_A", "refit_taper_A", "refit_all_A")
 
 
 def evaluate(
@@ -57,6 +55,11 @@ def evaluate(
     progress : bool
         Show a bar.
 
+    Returns
+    -------
+    Run
+        Records and failures.
+
     Raises
     ------
     ValueError
@@ -70,9 +73,8 @@ def evaluate(
     done = run(EVALUATION, tasks_of(sources, {}, out), out, jobs, scheduler, progress)
     rows = [row for record in done.records for row in record["rows"]]
     add_comparisons(rows)
-    _replace(out / "scoreboard.csv", lambda path: _write_csv(path, rows))
-    text = scoreboard(rows, done.failures)
-    _replace(out / "scoreboard.md", lambda path: path.write_text(text, encoding="utf-8"))
+    write_csv(out / "scoreboard.csv", ({c: row[c] for c in _COLUMNS} for row in rows), _COLUMNS)
+    write_text(out / "scoreboard.md", scoreboard(rows, done.failures))
     if rows:
         draw(rows, out)
     return done
@@ -115,7 +117,19 @@ def groups(rows: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
 
 
 def scoreboard(rows: list[dict[str, Any]], failures: tuple[str, ...] = ()) -> str:
-    """The scoreboard in markdown."""
+    """The scoreboard in markdown.
+
+    Parameters
+    ----------
+    rows : list of dict
+        Of all loops, with their comparisons.
+    failures : tuple of str
+        A sentence for each loop or file without a row.
+
+    Returns
+    -------
+    str
+    """
     table = groups(rows)
     lines = [
         "# Scoreboard",
@@ -139,11 +153,11 @@ def scoreboard(rows: list[dict[str, Any]], failures: tuple[str, ...] = ()) -> st
 
 
 def _median_90(values: list[float | None]) -> str:
-    known = [v for v in values if v is not None]
-    if not known:
+    present = [v for v in values if v is not None]
+    if not present:
         return "–"
-    of = "" if len(known) == len(values) else f" ({len(known)})"
-    return f"{np.median(known):.2f} / {np.percentile(known, 90):.2f}{of}"
+    of = "" if len(present) == len(values) else f" ({len(present)})"
+    return f"{np.median(present):.2f} / {np.percentile(present, 90):.2f}{of}"
 
 
 def _defeats(table: dict[str, list[dict[str, Any]]]) -> list[str]:
@@ -179,22 +193,6 @@ def _paired(rows: list[dict[str, Any]]) -> list[str]:
                     f" {METHODS[other]} | {mean:+.2f} ({least:+.2f} to {most:+.2f}) |"
                 )
     return lines
-
-
-def _write_csv(path: Path, rows: list[dict[str, Any]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(
-            file, [*COLUMNS, *_MORE], extrasaction="ignore", lineterminator="\n"
-        )
-        writer.writeheader()
-        writer.writerows(rows)
-
-
-def _replace(path: Path, write: Callable[[Path], Any]) -> None:
-    """Write beside the file and move it there."""
-    part = path.with_name(f".{path.name}.part")
-    write(part)
-    os.replace(part, path)
 
 
 def _is_structure(path: Path) -> bool:

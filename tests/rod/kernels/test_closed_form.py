@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from loopelastica.rod.kernels import closed_form, cubic
+from loopelastica.rod.kernels import closed_form, cubic, finite_rod
 
 ORDER = 24
 
@@ -102,7 +102,7 @@ def integrated(lam, t_p, a, phi0, s_ini, length, torsion_ratio=1.0):
 
 def error(p, torsion_ratio=1.0):
     position, rotation = integrated(*p, torsion_ratio)
-    line, frames = closed_form.rod_along(*p, torsion_ratio, np.ones(1))
+    line, frames = finite_rod.rod_along(*p, torsion_ratio, np.ones(1))
     return max(np.abs(line[0] - position).max(), np.abs(frames[0] - rotation).max())
 
 
@@ -159,10 +159,10 @@ def test_the_homoclinic_rod_itself_and_its_neighbors_are_continuous():
         p = (lam, lam, 2.0, 1.0, -3.0, 7.0)
         assert math.isinf(closed_form.period(*p[:3]))
         assert error(p) < 1e-11
-        line, frames = closed_form.rod_along(*p, 1.0, np.linspace(0, 1, 9))
+        line, frames = finite_rod.rod_along(*p, 1.0, np.linspace(0, 1, 9))
         for da, dt in ((1e-9, 0.0), (-1e-9, 0.0), (1e-9, 1e-9), (0.0, -1e-9)):
             q = (lam, lam + dt, max(2.0 + da, cubic.a_min(lam, lam + dt)), *p[3:])
-            near_line, near_frames = closed_form.rod_along(*q, 1.0, np.linspace(0, 1, 9))
+            near_line, near_frames = finite_rod.rod_along(*q, 1.0, np.linspace(0, 1, 9))
             assert np.abs(near_line - line).max() < 2e-6
             assert np.abs(near_frames - frames).max() < 2e-6
 
@@ -173,7 +173,7 @@ def test_planar_rods_stay_in_their_plane_and_agree():
         a = -2.0 + 10 ** rng.uniform(-3, 1.3)
         p = (0.0, 0.0, a, 0.0, rng.uniform(-3, 3), rng.uniform(0.1, 12.0))
         assert error(p) < 1e-11
-        line, _ = closed_form.rod_along(*p, 1.0, np.linspace(0, 1, 20))
+        line, _ = finite_rod.rod_along(*p, 1.0, np.linspace(0, 1, 20))
         assert np.abs(line[:, 0]).max() < 1e-14  # the plane of d2, d3
 
 
@@ -260,26 +260,6 @@ def test_least_a_is_where_the_two_largest_roots_meet():
 def test_straight_rods_are_helices_of_radius_zero(lam, t_p, sign):
     a = cubic.a_min(lam, t_p)
     assert a == 2.0 * sign
-    line, frames = closed_form.rod_along(lam, t_p, a, 0.4, 0.0, 2.0, 1.0, np.array([0.5, 1.0]))
+    line, frames = finite_rod.rod_along(lam, t_p, a, 0.4, 0.0, 2.0, 1.0, np.array([0.5, 1.0]))
     assert np.allclose(line, [[0, 0, 0.5], [0, 0, 1]], atol=1e-15)
     assert np.allclose(frames[1], about_z(2.0 * t_p), atol=1e-14)
-
-
-def test_forceless_rod_turns_by_the_exponential_of_its_moment():
-    rng = np.random.default_rng(21)
-    for size in (0.0, 1e-12, 1e-5, 1.0, 30.0):
-        moment = size * rng.normal(size=3)
-        line, frames = closed_form.forceless_along(moment, 0.7, np.array([0.3, 1.0]))
-        # integrate with Gauss points of the exact exponential from mpmath
-        with mpmath.workdps(30):
-            cross = mpmath.matrix(
-                [[0, -moment[2], moment[1]], [moment[2], 0, -moment[0]], [-moment[1], moment[0], 0]]
-            )
-            turn = mpmath.expm(cross)
-            big = mpmath.zeros(4, 4)  # d/ds (∫R e3, …) by a block exponential
-            big[:3, :3] = cross
-            big[:3, 3] = mpmath.matrix([0, 0, 1])
-            integral = mpmath.expm(big)[:3, 3]
-        rotation = np.array(turn.tolist(), dtype=float) @ about_z(moment[2] * (1 / 0.7 - 1))
-        assert np.abs(frames[1] - rotation).max() < 1e-13 * (1 + size)
-        assert np.abs(line[1] - np.array(integral.tolist(), dtype=float)[:, 0]).max() < 1e-13

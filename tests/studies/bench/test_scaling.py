@@ -3,24 +3,15 @@
 import csv
 
 import numpy as np
-import pytest
 from typer.testing import CliRunner
 
-import loopelastica as le
 from loopelastica.cli.app import app
-from loopelastica.studies.bench import _poses as poses
 from loopelastica.studies.bench import scaling as bench
-
-
-def test_slope_is_the_power():
-    x = [1.0, 10.0, 100.0]
-    assert bench.slope(x, [3.0 * v**1.5 for v in x]) == pytest.approx(1.5)
-    assert bench.slope([4.0, 4.0], [1.0, 2.0]) is None
-    assert bench.slope([], []) is None
+from loopelastica.studies.bench import scaling_report
 
 
 def test_any_chunking_solves_every_rod(monkeypatch):
-    monkeypatch.setattr(bench, "_CHUNK", 7)
+    monkeypatch.setattr(bench, "CHUNK", 7)
     row = bench.stream(17, 1, 1)
     assert row["rods"] == row["solved"] == 17
     assert row["residual_max"] < 1e-9
@@ -35,32 +26,15 @@ def test_a_row_of_its_own_process_has_memory_of_its_own():
     assert block[-1] == 1.0
 
 
-def test_threads_are_asked_for_where_the_solver_has_them(monkeypatch):
-    asked = []
-
-    def with_threads(positions, rotations, threads=1):
-        asked.append(threads)
-        return le.solve_batch(positions, rotations)
-
-    monkeypatch.setattr(bench, "solve_batch", with_threads)
-    assert bench._thread_counts() == (1, 2)
-    assert bench.stream(3, 2, 1)["solved"] == 3
-    assert set(asked) == {2}
-    monkeypatch.setattr(bench, "solve_batch", lambda positions, rotations: None)
-    assert bench._thread_counts() == (1,)
-
-
-def test_rods_have_the_length_asked_for(rng):
-    rods = poses.of_length(rng, 20, 8.0, 16.0)
-    lengths = [rod.length for rod in rods]
-    assert 8.0 <= min(lengths) < max(lengths) <= 16.0
-    positions, rotations = poses.ends_of(rods)
-    assert le.solve_batch(positions, rotations).converged.all()
+def test_threads_change_no_answer():
+    one, two = bench.stream(300, 1, 1), bench.stream(300, 2, 1)
+    assert (two["threads"], two["solved"]) == (2, one["solved"])
+    assert two["residual_max"] == one["residual_max"]
 
 
 def test_a_run_writes_tables_slopes_and_a_picture(tmp_path, monkeypatch):
     monkeypatch.setattr(bench, "_MOST", (100, 100))
-    monkeypatch.setattr(bench, "_MANY", 10)
+    monkeypatch.setattr(scaling_report, "_MANY", 10)
     monkeypatch.setattr(bench, "_PER_LENGTH", (2, 2))
     monkeypatch.setattr(bench, "_LISTED", (2, 2))
     monkeypatch.setattr(bench, "_alone", bench.stream)

@@ -1,7 +1,7 @@
 """From a clamping to a rod: success, run time and error of ours, the paper's and SciPy's ways.
 
 All methods take the same targets, each target by one after the other, so that whatever slows the
-machine slows all alike. An answer is judged by `stability.misfits`, SciPy's integrator on frames as
+machine slows all alike. An answer is judged by `judge.misfits`, SciPy's integrator on frames as
 matrices, from the loads and, where a method has them, nodes that it gives: the sum of what is
 missing at the start, from node to node and at the end. That is what the answer is off as a rod
 between the two clamps, for one that holds nodes as for one that is loads alone.
@@ -20,9 +20,9 @@ from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.paper import ERRORS, PaperSolver
 from loopelastica.rod.solve import solve
-from loopelastica.studies.bench import _peers
-from loopelastica.studies.bench._poses import Draw, Poses, at_shell, load_drawn
-from loopelastica.studies.bench.stability import misfits
+from loopelastica.studies.bench import peers
+from loopelastica.studies.bench.judge import misfits
+from loopelastica.studies.bench.poses import Draw, Poses, at_shell, load_drawn
 
 Row = dict[str, Any]
 
@@ -31,7 +31,7 @@ OURS, PEER = "ours, batch", "solve_bvp, tol 1e-06"
 LARGE = "ours, batch, large sample"
 
 _NEAR = 0.95
-_TOLERANCES = (1e-3, 1e-6, 1e-12)
+_TOLERANCES = (1e-3, 1e-6, 1e-11)
 _GUESSES = 20
 # rows of a batch that is timed: the targets are repeated until there are as many
 _BATCH_ROWS, _ROUNDS = 240, 4
@@ -68,13 +68,13 @@ def _at_tolerance(clamping: Clamping, tolerance: float) -> Equilibrium | None:
 
 def _printed(clamping: Clamping, solver: PaperSolver) -> Equilibrium | None:
     found = solver.solve(clamping)
-    return _peers.from_loads(clamping, found.loads) if found.converged else None
+    return peers.from_loads(clamping, found.loads) if found.converged else None
 
 
-def _methods(rng: np.random.Generator) -> dict[str, _peers.Method]:
-    guesses = _peers.random_guesses(rng, _GUESSES - 1)
+def _methods(rng: np.random.Generator) -> dict[str, peers.Method]:
+    guesses = peers.random_guesses(rng, _GUESSES - 1)
     none = guesses[:0]
-    methods: dict[str, _peers.Method] = {
+    methods: dict[str, peers.Method] = {
         "ours, solve, first": _first,
         "ours, solve, lowest": _lowest,
     }
@@ -86,10 +86,10 @@ def _methods(rng: np.random.Generator) -> dict[str, _peers.Method]:
         methods[f"paper, {name}"] = partial(_printed, solver=PaperSolver(2.0, 0.5, error))
     for tolerance in (1e-3, 1e-6, 1e-9):
         name = f"solve_bvp, tol {tolerance:.0e}"
-        methods[name] = _peers.by_collocation(none, tolerance)
-    methods[f"solve_bvp, {_GUESSES} guesses"] = _peers.by_collocation(guesses)
-    methods["least_squares"] = _peers.by_shooting(none)
-    methods[f"least_squares, {_GUESSES} guesses"] = _peers.by_shooting(guesses)
+        methods[name] = peers.by_collocation(none, tolerance)
+    methods[f"solve_bvp, {_GUESSES} guesses"] = peers.by_collocation(guesses)
+    methods["least_squares"] = peers.by_shooting(none)
+    methods[f"least_squares, {_GUESSES} guesses"] = peers.by_shooting(guesses)
     return methods
 
 
@@ -109,7 +109,7 @@ def _batch_error(clamping: Clamping, batch: Batch, i: int, rod: Equilibrium | No
         return np.inf
     if rod is not None and np.allclose(rod.loads, batch.loads[i], rtol=1e-7, atol=1e-7):
         return error_of(rod)
-    return error_of(_peers.from_loads(clamping, batch.loads[i]))
+    return error_of(peers.from_loads(clamping, batch.loads[i]))
 
 
 class _Record:
@@ -157,22 +157,37 @@ def _timed(call: Callable[[], Any]) -> tuple[Any, float]:
 def measure(
     targets: str, sample: int, large: int, rng: np.random.Generator, tick: Callable[[], object]
 ) -> list[Row]:
-    """Rows of all methods on ``sample`` targets of a set, and of our batch on ``large`` ones.
+    """Measure all methods on the same targets, and our batch on a large sample.
 
-    For the lowest a tenth of the large sample is taken. It is judged by our own residual, which is
-    that of a mesh the solver did not use. ``tick`` is called after each target.
+    Parameters
+    ----------
+    targets : str
+        Name of one of `SETS`.
+    sample : int
+        Targets that all methods take.
+    large : int
+        Targets of our batch alone; a tenth of them for the lowest. They are judged by our own
+        residual, which is that of a mesh the solver did not use.
+    rng : numpy.random.Generator
+    tick : callable
+        Called after each target.
+
+    Returns
+    -------
+    list of dict
+        A row per method, our batch first.
     """
     positions, rotations = SETS[targets](rng, max(sample, large))
     clampings = [Clamping(p, r) for p, r in zip(positions[:sample], rotations, strict=False)]
     methods = _methods(rng)
     tiled = np.resize(np.arange(sample), max(_BATCH_ROWS, sample))
     batches = {
-        OURS: partial(solve_batch, positions[tiled], rotations[tiled]),
+        OURS: partial(solve_batch, positions[tiled], rotations[tiled], lowest=False),
         "ours, batch, lowest": partial(
             solve_batch, positions[tiled], rotations[tiled], lowest=True
         ),
     }
-    # compiled, and grids and stored rods loaded, before the clock starts
+    # compiled, and the grid built and the guess library loaded, before the clock starts
     for method in methods.values():
         method(clampings[0])
     for call in batches.values():

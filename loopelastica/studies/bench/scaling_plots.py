@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from loopelastica.studies.bench._paper_plots import _figure, _save
+from loopelastica.studies.figures import new_figure, save_figure
 
 Row = dict[str, Any]
 
@@ -57,8 +57,18 @@ def draw(
     rods: Sequence[Row], lengths: Sequence[Row], found: Sequence[Row], slopes: Sequence[Row],
     path: Path, setting: str,
 ) -> None:  # fmt: skip
-    """Four panels, each with its legend."""
-    figure = _figure((10.0, 7.2))
+    """Four panels, each with its legend.
+
+    Parameters
+    ----------
+    rods, lengths, found, slopes : sequence of dict
+        Lines of ``rods.csv``, ``lengths.csv``, ``equilibria.csv`` and ``slopes.csv``.
+    path : Path
+        Of the PNG.
+    setting : str
+        Machine and date, for the title.
+    """
+    figure = new_figure(10.0, 7.2)
     axes = figure.subplots(2, 2).ravel()
     _over_rods(axes, rods)
     _over_lengths(axes[2], lengths, slopes)
@@ -75,4 +85,4 @@ def draw(
         axis.set_axisbelow(True)
         axis.legend(fontsize=7)
     figure.suptitle(setting, fontsize=8)
-    _save(figure, path)
+    save_figure(figure, path)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from loopelastica.studies.bench._paper_plots import _figure, _save
+from loopelastica.studies.figures import new_figure, save_figure
 
 Row = dict[str, Any]
 
@@ -96,8 +96,20 @@ def _draw_inverse(axis: Any, rows: Sequence[Row], title: str) -> None:
 
 
 def draw(forward: Sequence[Row], inverse: dict[str, list[Row]], path: Path, setting: str) -> None:
-    """Four panels: the way from loads to the end, and the three sets of targets."""
-    figure = _figure((11.0, 8.6))
+    """Four panels: the way from loads to the end, and the three sets of targets.
+
+    Parameters
+    ----------
+    forward : sequence of dict
+        Lines of ``forward.csv``.
+    inverse : dict
+        Lines of ``inverse.csv`` for each set of targets.
+    path : Path
+        Of the PNG.
+    setting : str
+        Machine and date, for the title.
+    """
+    figure = new_figure(11.0, 8.6)
     axes = figure.subplots(2, 2).ravel()
     _draw_forward(axes[0], [row for row in forward if row["time_median_us"] is not None])
     for axis, (title, rows) in zip(axes[1:], inverse.items(), strict=True):
@@ -117,4 +129,4 @@ def draw(forward: Sequence[Row], inverse: dict[str, list[Row]], path: Path, sett
         " success at 1e-5 where it is not 100 %\n" + setting,
         fontsize=8,
     )
-    _save(figure, path)
+    save_figure(figure, path)

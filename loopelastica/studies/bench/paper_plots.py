@@ -4,7 +4,6 @@ Layout of Ameline et al., J. Comput. Phys. 373 (2018) 736, DOI 10.1016/j.jcp.201
 paper prints in words is drawn as a dashed line or an open mark.
 """
 
-import io
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from loopelastica.studies.bench._report import write_bytes
+from loopelastica.studies.figures import new_figure, save_figure
 
 Row = Mapping[str, Any]
 
@@ -23,24 +22,17 @@ _NAMES = {"eps1": "ε1", "eps2": "ε2", "eps3": "ε3"}
 _ETA1 = 0.4
 
 
-def _figure(size: tuple[float, float]) -> Any:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def _save(figure: Any, path: Path) -> None:
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=150)
-    write_bytes(path, buffer.getvalue())
-
-
 def draw_steps(rows: Sequence[Row], path: Path) -> None:
-    """Fig. 3: success, time and iterations for each step δ and error."""
-    figure = _figure((10.0, 3.4))
+    """Fig. 3: success, time and iterations for each step δ and error.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        Lines of ``paper.csv`` of this figure.
+    path : Path
+        Of the PNG.
+    """
+    figure = new_figure(10.0, 3.4)
     axes = figure.subplots(1, 3)
     steps = sorted({row["delta"] for row in rows}, reverse=True)
     panels = (
@@ -70,12 +62,18 @@ def draw_steps(rows: Sequence[Row], path: Path) -> None:
     # beside the short bars there is room
     axes[1].legend(*axes[0].get_legend_handles_labels(), fontsize=7, loc="upper right")
     figure.suptitle("l = 2; diamonds: printed in the paper", fontsize=9)
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def draw_sizes(rows: Sequence[Row], path: Path) -> None:
-    """Fig. 4: time for each size l, with and without the symmetry; share of t_P = ±λ."""
-    figure = _figure((5.4, 3.6))
+    """Fig. 4: time for each size l, with and without the symmetry; share of t_P = ±λ.
+
+    Parameters
+    ----------
+    rows, path
+        As for `draw_steps`.
+    """
+    figure = new_figure(5.4, 3.6)
     axis = figure.subplots()
     for symmetry, color, label in (
         (True, "#1b6ca8", "with symmetry (34)"),
@@ -98,12 +96,22 @@ def draw_sizes(rows: Sequence[Row], path: Path) -> None:
     other.plot(list(shares), list(shares.values()), "s:", color="gray", ms=4)
     other.set_ylabel("rods with t_P = ±λ / %", color="gray")
     other.set_ylim(bottom=0)
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def draw_targets(images: NDArray[np.float64], missed: NDArray[np.bool_], path: Path) -> None:
-    """Fig. 5: clamping parameters (n, 5) that were targeted; those missed as crosses."""
-    figure = _figure((10.0, 4.4))
+    """Fig. 5: the targets, those missed as crosses.
+
+    Parameters
+    ----------
+    images : (n, 5) ndarray
+        Clamping parameters η1, η3, ψ_R, θ_R, φ_R; angles in radians.
+    missed : (n,) ndarray
+        Which were tested and not reached.
+    path : Path
+        Of the PNG.
+    """
+    figure = new_figure(10.0, 4.4)
     grid = figure.add_gridspec(2, 4)
     eta1, eta3, psi, theta = images[:, 0], images[:, 1], images[:, 2], images[:, 3]
     region = 2 * (eta3 < 0) + (eta1 >= _ETA1)
@@ -126,4 +134,4 @@ def draw_targets(images: NDArray[np.float64], missed: NDArray[np.bool_], path: P
         axis.set_xlabel("ψ")
         axis.set_ylabel("θ")
     figure.suptitle("targets for l = 2, δ = 0.5; crosses: tested and not reached", fontsize=9)
-    _save(figure, path)
+    save_figure(figure, path)

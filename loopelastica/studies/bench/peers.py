@@ -60,12 +60,35 @@ def _rod(loads: Array, rtol: float, at: Array | None = None) -> Array:
 
 
 def end_by_dop853(loads: Array, rtol: float) -> Array:
-    """Pose (7,) of the end of the rod with ``loads`` (6,) by ``solve_ivp``."""
+    """The end of a rod by ``solve_ivp``.
+
+    Parameters
+    ----------
+    loads : (6,) ndarray
+        F and M at s = 0, in K0/L² and K0/L.
+    rtol : float
+        Relative tolerance; the absolute one is a tenth of it.
+
+    Returns
+    -------
+    (7,) ndarray
+        Position and quaternion.
+    """
     return _rod(loads, rtol)[:, -1]
 
 
 def random_guesses(rng: np.random.Generator, n: int) -> Array:
-    """Loads (n, 6) of the size that rods below |η| = 0.95 have."""
+    """Loads of the size that rods below |η| = 0.95 have.
+
+    Parameters
+    ----------
+    rng, n
+        Generator, and how many.
+
+    Returns
+    -------
+    (n, 6) ndarray
+    """
     return np.hstack([rng.normal(0.0, 20.0, (n, 3)), rng.normal(0.0, 5.0, (n, 3))])
 
 
@@ -113,13 +136,26 @@ def _hermite(clamping: Clamping, s: Array) -> tuple[Array, Array]:
 
 
 def _of_loads(f: Array, s: Array) -> tuple[Array, Array]:
-    """As `_hermite` the rod of the loads ``f`` (6,)."""
+    """As `_hermite`, of the rod with the loads ``f`` (6,)."""
     poses = _rod(f, 1e-4, s)
     return poses, f[3:, None] + np.cross(f[:3], poses[:3].T).T
 
 
 def by_collocation(guesses: Array, tolerance: float = 1e-6) -> Method:
-    """``solve_bvp`` from the Hermite line, then from rods of the loads ``guesses`` (n, 6)."""
+    """``solve_bvp`` from the Hermite line, then from rods of random loads.
+
+    Parameters
+    ----------
+    guesses : (n, 6) ndarray
+        These loads.
+    tolerance : float
+        Of ``solve_bvp``.
+
+    Returns
+    -------
+    callable
+        From a clamping to a result, or None.
+    """
     from scipy.integrate import solve_bvp
 
     def slope(_: Array, state: Array, f: Array) -> Array:
@@ -159,7 +195,20 @@ def by_collocation(guesses: Array, tolerance: float = 1e-6) -> Method:
 
 
 def by_shooting(guesses: Array, tolerance: float = 1e-10) -> Method:
-    """``least_squares`` over the loads, from none and then from ``guesses`` (n, 6)."""
+    """``least_squares`` over the loads, from none and then from random ones.
+
+    Parameters
+    ----------
+    guesses : (n, 6) ndarray
+        These loads.
+    tolerance : float
+        Relative tolerance of the integrator.
+
+    Returns
+    -------
+    callable
+        From a clamping to a result, or None.
+    """
     from scipy.optimize import least_squares
 
     def solve(clamping: Clamping) -> Equilibrium | None:
@@ -182,7 +231,22 @@ def by_shooting(guesses: Array, tolerance: float = 1e-10) -> Method:
 
 
 def from_nodes(clamping: Clamping, loads: Array, s: Array, poses: Array) -> Equilibrium:
-    """Loads and poses (m, 7) at ``s`` (m,) as the package's own kind of result, to be judged."""
+    """Loads and nodes as the package's own kind of result, to be judged.
+
+    Parameters
+    ----------
+    clamping : Clamping
+    loads : (6,) ndarray
+    s : (m,) ndarray
+        Arc lengths of the nodes, in units of L.
+    poses : (m, 7) ndarray
+        Positions and quaternions of the nodes.
+
+    Returns
+    -------
+    Equilibrium
+        Called converged, whatever it is.
+    """
     q = poses[:, 3:] / np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
     return Equilibrium(
         clamping, 1.0, loads, 1.0, 0.0, Status.CONVERGED,
@@ -191,5 +255,16 @@ def from_nodes(clamping: Clamping, loads: Array, s: Array, poses: Array) -> Equi
 
 
 def from_loads(clamping: Clamping, loads: Array) -> Equilibrium:
-    """Loads alone as the package's own kind of result, to be judged."""
+    """Loads alone as the package's own kind of result, to be judged.
+
+    Parameters
+    ----------
+    clamping : Clamping
+    loads : (6,) ndarray
+
+    Returns
+    -------
+    Equilibrium
+        Called converged, whatever it is.
+    """
     return from_nodes(clamping, loads, np.zeros(1), _START[None])

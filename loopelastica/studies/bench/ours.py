@@ -30,7 +30,7 @@ COLUMNS = {
 }
 
 
-def clampings(rods: Array) -> tuple[Array, Array]:
+def _clampings(rods: Array) -> tuple[Array, Array]:
     """Positions (n, 3) and rotations (n, 3, 3) of the ends of rods (n, 5), K30 = 1."""
     from scipy.spatial.transform import Rotation
 
@@ -40,13 +40,29 @@ def clampings(rods: Array) -> tuple[Array, Array]:
 
 
 def row(size: float, delta: float, rods: Array, tested: int, threads: int) -> Row:
-    """Solve the first ``tested`` rods of a set; the line of the table."""
-    positions, rotations = clampings(rods[:tested])
-    solve_batch(positions[:2], rotations[:2])  # compiled before the clock starts
+    """Solve the first rods of a set.
+
+    Parameters
+    ----------
+    size, delta : float
+        l and δ of the set.
+    rods : (n, 5) ndarray
+        λ, t_P, a, s_ini/μ, L/μ.
+    tested : int
+        How many of them.
+    threads : int
+
+    Returns
+    -------
+    dict
+        The line of the table.
+    """
+    positions, rotations = _clampings(rods[:tested])
+    solve_batch(positions[:2], rotations[:2], lowest=False)  # compiled before the clock starts
     converged, residual, seconds = 0, 0.0, 0.0
     for part in _parts(tested):
         started = time.perf_counter()
-        batch = solve_batch(positions[part], rotations[part], threads=threads)
+        batch = solve_batch(positions[part], rotations[part], lowest=False, threads=threads)
         seconds += time.perf_counter() - started
         converged += int(batch.converged.sum())
         residual = max(residual, float(batch.residual[batch.converged].max(initial=0.0)))

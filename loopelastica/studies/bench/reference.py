@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from loopelastica.errors import MissingDependencyError
 
 DIGITS = 50
-# beyond the digits asked for: some hundred steps, each with errors that the rod magnifies
+# beyond the digits requested: some hundred steps, each with errors that the rod magnifies
 _GUARD = 15
 
 
@@ -49,9 +49,24 @@ def _series(pose: Sequence[Any], f: Sequence[Any], order: int, dot: Any, half: A
 
 
 def end_pose(loads: ArrayLike, digits: int = DIGITS) -> list[Any]:
-    """Position and quaternion (7 numbers of mpmath) of the end of the rod with ``loads`` (6,).
+    """The end of a rod to many digits.
 
-    The loads are taken as the exact values of their doubles.
+    Parameters
+    ----------
+    loads : (6,) array_like
+        F and M at s = 0, in K0/L² and K0/L; the exact values of these doubles.
+    digits : int
+        Decimal digits of the result.
+
+    Returns
+    -------
+    list of 7 mpmath numbers
+        Position and quaternion.
+
+    Raises
+    ------
+    MissingDependencyError
+        If mpmath is not installed.
     """
     try:
         import mpmath
@@ -80,7 +95,19 @@ def end_pose(loads: ArrayLike, digits: int = DIGITS) -> list[Any]:
 
 
 def difference(pose: NDArray[np.float64], reference: Sequence[Any]) -> float:
-    """Largest component of position and quaternion (of either sign) off the reference."""
+    """Largest component of position and quaternion (of either sign) off the reference.
+
+    Parameters
+    ----------
+    pose : (7,) ndarray
+        Position and quaternion.
+    reference : sequence of 7 numbers
+        As of `end_pose`.
+
+    Returns
+    -------
+    float
+    """
 
     def away(sign: float) -> float:
         position = [abs(a - b) for a, b in zip(pose[:3], reference[:3], strict=True)]

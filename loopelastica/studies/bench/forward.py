@@ -6,6 +6,7 @@ call from Python, conversions left out. The error is the largest component of po
 quaternion off the reference of fifty digits.
 """
 
+import dataclasses
 import time
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -15,8 +16,8 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.rod.parameters import PhysicalParameters
-from loopelastica.studies.bench import _peers, _reference
-from loopelastica.studies.bench._poses import random_loads
+from loopelastica.studies.bench import peers, reference
+from loopelastica.studies.bench.poses import random_loads
 
 Row = dict[str, Any]
 # what is timed, and the pose (7,) in what it returns
@@ -33,12 +34,12 @@ _MORE_DIGITS = 60
 def _closed_form(loads: Array) -> Way:
     from scipy.spatial.transform import Rotation
 
-    from loopelastica.rod.kernels.closed_form import rod_along
+    from loopelastica.rod.kernels.finite_rod import rod_along
 
     p = PhysicalParameters.from_loads(loads)
     if p is None:
         raise ValueError("`loads` have no force; the closed form needs one")
-    call = partial(rod_along, p.lam, p.t_p, p.a, p.phi0, p.s_ini, p.length, 1.0, np.ones(1))
+    call = partial(rod_along, *dataclasses.astuple(p), 1.0, np.ones(1))
     return call, lambda end: np.append(
         end[0][0], Rotation.from_matrix(end[1][0]).as_quat(scalar_first=True)
     )
@@ -61,7 +62,7 @@ def _bulirsch_stoer(loads: Array, rtol: float) -> Way:
 
 
 def _dop853(loads: Array, rtol: float) -> Way:
-    return partial(_peers.end_by_dop853, loads, rtol), lambda pose: np.asarray(pose)
+    return partial(peers.end_by_dop853, loads, rtol), lambda pose: np.asarray(pose)
 
 
 def _ways(loads: Array) -> Iterable[tuple[str, str, int, Way]]:
@@ -76,26 +77,38 @@ def _ways(loads: Array) -> Iterable[tuple[str, str, int, Way]]:
 
 
 def measure(sample: int, rng: np.random.Generator, tick: Callable[[], object]) -> list[Row]:
-    """Rows of all ways on ``sample`` load-drawn rods; ``tick`` is called after each rod.
+    """Measure all ways on the same load-drawn rods.
 
-    The first row is the reference itself against one of ten digits more.
+    Parameters
+    ----------
+    sample : int
+        How many rods.
+    rng : numpy.random.Generator
+    tick : callable
+        Called after each rod.
+
+    Returns
+    -------
+    list of dict
+        A row per way and setting; the first one is the reference itself against one of ten digits
+        more.
     """
     rods = random_loads(rng, sample)
     measured: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for loads in rods:
-        reference = _reference.end_pose(loads)
+        exact = reference.end_pose(loads)
         for method, setting, repeats, (call, pose) in _ways(loads):
             # once for the compiler and for the answer
-            error = _reference.difference(pose(call()), reference)
+            error = reference.difference(pose(call()), exact)
             started = time.thread_time()
             for _ in range(repeats):
                 call()
             each = (time.thread_time() - started) / repeats
             measured.setdefault((method, setting), []).append((1e6 * each, error))
         tick()
-    again = _reference.end_pose(rods[0], _MORE_DIGITS)
-    doubt = max(abs(float(a - b)) for a, b in zip(_reference.end_pose(rods[0]), again, strict=True))
-    rows = [_row("reference", f"{_reference.DIGITS} digits", 1, None, np.array([doubt]))]
+    again = reference.end_pose(rods[0], _MORE_DIGITS)
+    doubt = max(abs(float(a - b)) for a, b in zip(reference.end_pose(rods[0]), again, strict=True))
+    rows = [_row("reference", f"{reference.DIGITS} digits", 1, None, np.array([doubt]))]
     for (method, setting), values in measured.items():
         times, errors = np.array(values).T
         rows.append(_row(method, setting, sample, float(np.median(times)), errors))

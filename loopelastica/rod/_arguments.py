@@ -1,0 +1,78 @@
+"""Arguments that several public functions of the rod take, each checked in one place."""
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from loopelastica._arrays import Array
+
+
+def check_positive(name: str, value: float) -> float:
+    """The value as a float.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument, for the message.
+    value : float
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        If it is not positive and finite.
+    """
+    number = float(value)
+    if not (math.isfinite(number) and number > 0.0):
+        raise ValueError(f"`{name}` is {value}; it must be positive and finite")
+    return number
+
+
+def check_torsion_ratio(torsion_ratio: float) -> float:
+    """K30 as a float; ValueError unless it is positive and finite."""
+    return check_positive("torsion_ratio", torsion_ratio)
+
+
+def check_loads(loads: ArrayLike) -> Array:
+    """A copy (6,) of F and M at s = 0; ValueError unless they are six finite numbers."""
+    values = np.array(loads, dtype=np.float64)
+    if values.shape != (6,) or not np.isfinite(values).all():
+        raise ValueError("`loads` must be six finite numbers, F1 F2 F3 M1 M2 M3")
+    return values
+
+
+def arc_lengths(n: int | ArrayLike, least: int = 1) -> Array:
+    """Arc lengths in units of L, as a new array.
+
+    Parameters
+    ----------
+    n : int or array_like
+        Number of points equally spaced in arc length, both ends included, or arc lengths in [0, 1],
+        in any order.
+    least : int
+        The smallest number of points allowed.
+
+    Returns
+    -------
+    (n,) ndarray
+
+    Raises
+    ------
+    ValueError
+        If `n` is neither.
+    """
+    if isinstance(n, int | np.integer):
+        if n < least:
+            raise ValueError(f"`n` is {n}; it must be at least {least}")
+        return np.linspace(0.0, 1.0, int(n))
+    s = np.array(n, dtype=np.float64, order="C")
+    if s.ndim != 1:
+        raise ValueError("`n` must be a number of points or a one-dimensional array of arc lengths")
+    # not (all inside) rather than (any outside): NaN is neither
+    if not ((s >= 0.0) & (s <= 1.0)).all():
+        raise ValueError("`n` has an arc length outside [0, 1]")
+    return s
