@@ -20,17 +20,18 @@ K30           torsion ratio K3/K0; it spins the frames and never changes the cen
 quaternion    (w, x, y, z) of R
 ============  ===========================================================================
 
-The way from q to rods: `clamping` (q) → `solve`, `equilibria` → `equilibrium` (what a rod knows of
-itself) → `stability`. Beneath them, compiled (`jit`: what, when and how):
+The way from q to rods: `clamping` (q) → `solve`, `batch`, `equilibria` → `equilibrium` (what a rod
+says of itself) → `stability`; `continuation` follows a rod while its clamping moves, by the steps
+of `_branch`. What they share is in `_starts`, `_library` (stored guesses) and `_arguments`.
 
-- `shooting`, `newton`: f to end pose with its Jacobian; one guess to a solution, from `stored`;
-- `multistart`: one start to a solution, through `boundary_layers` (high tension in closed form),
-  `minimization` (the discrete rod of least energy) and `multiple_shooting` (multiple shooting);
-- `second_variation`: the second variation.
+Beneath them, compiled (:mod:`.kernels`; `kernels.jit`: how, and where the code is kept):
 
-Paths along a moving clamping: `continuation`, whose steps are in `_branch` and `arclength`.
+- `shooting`, `newton`: f to end pose with its Jacobian; one guess to a solution;
+- `multistart`: starts to solutions, through `boundary_layers` (high tension in closed form),
+  `minimization` (the `discrete_rod` of least energy) and `multiple_shooting`, each confirmed in
+  `refinement`;
+- `second_variation`: conjugate points and inertia; `arclength`: one step along a branch;
+- `closed_form` with `cubic` and `elliptic`: the rod from its physical parameters (`parameters`).
 
-The closed form of the paper and its method: `parameters` (p, `closed_form`, `cubic`,
-`elliptic`), `writhe` (eq. 43), `grid` and `paper` with their kernels `grid_kernels`, `_paper_*` and
-`bulirsch_stoer`: the reference that benchmarks compare with.
+:mod:`.paper` is the method of 2018 as printed: the reference that benchmarks compare with.
 """

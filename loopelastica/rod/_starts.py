@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica.rod._arguments import check_positive
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.multistart import (
@@ -76,22 +77,13 @@ class Deadline:
     """
 
     def __init__(self, limit_s: float | None) -> None:
-        if limit_s is not None and not (isinstance(limit_s, int | float) and limit_s > 0.0):
-            raise ValueError(f"`time_limit_s` is {limit_s!r}; it must be a positive number")
-        self._end = math.inf if limit_s is None else time.monotonic() + limit_s
+        seconds = math.inf if limit_s is None else check_positive("time_limit_s", limit_s)
+        self._end = time.monotonic() + seconds
 
     @property
     def passed(self) -> bool:
         """Whether the time is over."""
         return time.monotonic() >= self._end
-
-
-def check_torsion_ratio(torsion_ratio: float) -> float:
-    """K30 as a float; ValueError unless it is positive and finite."""
-    value = float(torsion_ratio)
-    if not (np.isfinite(value) and value > 0):
-        raise ValueError(f"`torsion_ratio` is {torsion_ratio}; it must be positive and finite")
-    return value
 
 
 def check_tolerance(tolerance: float) -> float:

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from loopelastica._arrays import Array
+from loopelastica.rod._arguments import check_torsion_ratio
 from loopelastica.rod._library import stored_rods
 from loopelastica.rod._starts import (
     STRAIGHT,
     TOLERANCE,
     Deadline,
     check_tolerance,
-    check_torsion_ratio,
     record_of,
     standard_starts,
     straight,

@@ -21,12 +21,12 @@ from functools import partial
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica.rod._arguments import check_torsion_ratio
 from loopelastica.rod._library import stored_rods
 from loopelastica.rod._starts import (
     TOLERANCE,
     Deadline,
     check_tolerance,
-    check_torsion_ratio,
     from_loads,
     from_start,
     straight,

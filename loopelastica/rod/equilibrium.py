@@ -5,7 +5,6 @@ Between two nodes it is integrated from the node before, so that errors grow ove
 only; loads alone no longer determine the rod in double precision once √F exceeds about 70.
 """
 
-import functools
 import html
 import math
 from dataclasses import dataclass, field
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, read_only
+from loopelastica.rod._arguments import arc_lengths
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.kernels.records import LAYERS, Method, Status
 
@@ -171,11 +171,11 @@ class Equilibrium:
         ``n`` is a number of points equally spaced in arc length, both ends included, or an array
         of arc lengths in [0, 1], in any order. ValueError if it is neither.
         """
-        return self._poses(_arc_lengths(n), self.torsion_ratio)
+        return self._poses(arc_lengths(n), self.torsion_ratio)
 
     def poses_without_spin(self, n: int | ArrayLike) -> Array:
         """As `poses`, the frames turning with M as if K30 were 1 (M3 keeps its value)."""
-        return self._poses(_arc_lengths(n), 1.0)
+        return self._poses(arc_lengths(n), 1.0)
 
     def _poses(self, s: Array, torsion_ratio: float) -> Array:
         if len(self.layers):
@@ -261,22 +261,3 @@ def _layers(values: dict[str, float] | None) -> Any:
     if values is None:
         return np.zeros(0, LAYERS)
     return np.array([tuple(values[name] for name in _LAYER_FIELDS)], dtype=LAYERS)
-
-
-@functools.lru_cache(maxsize=32)
-def _equally_spaced(n: int) -> Array:
-    return read_only(np.linspace(0.0, 1.0, n))
-
-
-def _arc_lengths(n: int | ArrayLike) -> Array:
-    if isinstance(n, int | np.integer):
-        if n < 1:
-            raise ValueError(f"`n` is {n}; at least one point is needed")
-        return _equally_spaced(int(n))
-    s = np.asarray(n, dtype=np.float64)
-    if s.ndim != 1:
-        raise ValueError("`n` must be a number of points or a one-dimensional array of arc lengths")
-    # not (all inside) rather than (any outside): NaN is neither
-    if not ((s >= 0.0) & (s <= 1.0)).all():
-        raise ValueError("`n` has an arc length outside [0, 1]")
-    return s

@@ -10,11 +10,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from loopelastica.rod._arguments import check_torsion_ratio
 from loopelastica.rod._starts import (
     TOLERANCE,
     Deadline,
     check_tolerance,
-    check_torsion_ratio,
     from_loads,
     from_standard_starts,
     straight,

@@ -212,15 +212,6 @@ def landau_pose(s, phi0, spin, c, scale):
 
 
 @kernel
-def euler_angles(q0, q1, q2, q3):
-    """ZYZ Euler angles (ψ, θ, φ) of a quaternion; ψ and φ in (−2π, 2π), θ in [0, π]."""
-    half_sum = math.atan2(q3, q0)
-    half_difference = math.atan2(-q1, q2)
-    theta = 2.0 * math.atan2(math.hypot(q1, q2), math.hypot(q0, q3))
-    return half_sum + half_difference, theta, half_sum - half_difference
-
-
-@kernel
 def landau_moment(x, y, lam):
     """Moment e_k × r + λ e_k in Landau's frame, in units of K0/μ (eq. 12c); the force is e_k."""
     return -y, x, lam

@@ -154,8 +154,9 @@ def _private_names_known() -> bool:
         from numba.core.serialize import dumps
     except (ImportError, ValueError):
         return False
-    names = ("add_linking_library", "finalize", "get_pointer_to_function", "enable_object_caching")
-    names += ("_optimize_final_module", "_get_module_for_linking", "get_defined_functions")
+    names: tuple[str, ...] = ("add_linking_library", "finalize", "get_pointer_to_function")
+    names += ("enable_object_caching", "_optimize_final_module", "_get_module_for_linking")
+    names += ("get_defined_functions",)
     known = callable(dumps) and all(hasattr(JITCodeLibrary, name) for name in names)
     known = known and hasattr(CompileResult, "_reduce") and hasattr(CompileResult, "_rebuild")
     return known and SUPPORTED[0] <= version < SUPPORTED[1]

@@ -99,11 +99,13 @@ def align(ex, ey, ez, out):
 
 @kernel
 def zyz_angles(w, x, y, z):
-    """ZYZ angles (φ, α, χ) of a quaternion, accurate at α = 0 and π too."""
-    alpha = 2.0 * math.atan2(math.sqrt(x * x + y * y), math.sqrt(w * w + z * z))
-    total = 2.0 * math.atan2(z, w)
-    difference = 2.0 * math.atan2(-x, y)
-    return 0.5 * (total + difference), alpha, 0.5 * (total - difference)
+    """ZYZ Euler angles (ψ, θ, φ) of a quaternion; ψ and φ in (−2π, 2π), θ in [0, π].
+
+    Accurate at θ = 0 and π too, where only ψ ± φ is defined.
+    """
+    half_sum, half_difference = math.atan2(z, w), math.atan2(-x, y)
+    theta = 2.0 * math.atan2(math.hypot(x, y), math.hypot(w, z))
+    return half_sum + half_difference, theta, half_sum - half_difference
 
 
 @kernel

@@ -25,14 +25,13 @@ from loopelastica.rod.kernels.closed_form import (
     RATE,
     U2,
     constants,
-    euler_angles,
     landau_pose,
 )
 from loopelastica.rod.kernels.cubic import a_min
 from loopelastica.rod.kernels.elliptic import incomplete
 from loopelastica.rod.kernels.finite_rod import FAR, NO_FORCE, turned_back
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.rotations import product, quaternion_from_matrix
+from loopelastica.rod.kernels.rotations import product, quaternion_from_matrix, zyz_angles
 from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN, moment_bound, shoot, step_count
 from loopelastica.rod.paper import bulirsch_stoer
 
@@ -58,7 +57,7 @@ def wrapped(angle):
 @kernel
 def reduced_parameters(y, q):
     """Clamping parameters ``q`` (5,) of the pose ``y`` (7,), eq. 17; returns φ_a (eq. 19)."""
-    psi, theta, phi = euler_angles(y[3], y[4], y[5], y[6])
+    psi, theta, phi = zyz_angles(y[3], y[4], y[5], y[6])
     angle = math.atan2(y[1], y[0]) if y[0] != 0.0 or y[1] != 0.0 else 0.0
     q[0], q[1] = math.hypot(y[0], y[1]), y[2]
     q[2], q[3], q[4] = wrapped(psi - angle), theta, wrapped(phi + angle)
@@ -89,8 +88,8 @@ def error(kind, y, target, e):
     for c in range(3):
         e[c] = target[c] - y[c]
     if kind == EPS1:
-        psi, theta, phi = euler_angles(y[3], y[4], y[5], y[6])
-        psi_t, theta_t, phi_t = euler_angles(target[3], target[4], target[5], target[6])
+        psi, theta, phi = zyz_angles(y[3], y[4], y[5], y[6])
+        psi_t, theta_t, phi_t = zyz_angles(target[3], target[4], target[5], target[6])
         e[3] = wrapped(psi_t) - wrapped(psi)  # eq. 30
         e[4] = theta_t - theta
         e[5] = wrapped(phi_t) - wrapped(phi)
