@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from loopelastica._arrays import Array
+from loopelastica._arrays import Array, Record
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.checks import Checks, check
 from loopelastica.atoms.chemistry import LoopMolecule
@@ -25,8 +25,8 @@ from loopelastica.atoms.site import Site, site_of
 from loopelastica.atoms.start import moved_out, shifted, start_on
 from loopelastica.atoms.turn import Turns, turned
 from loopelastica.errors import StructureError
-from loopelastica.folding.fold import LoopFold
 from loopelastica.folding.rank import Candidate
+from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import BACKBONE, Structure
 from loopelastica.molecule.strands import ideal_strand
 
@@ -38,8 +38,8 @@ MOST_TRIES: Final = 12
 """Combinations of Ω and χ that are tried in all where the first ones give no sound model."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class AtomModel:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class AtomModel(Record):
     """The atoms of one candidate.
 
     Attributes
@@ -72,6 +72,11 @@ class AtomModel:
     relaxed: Relaxed
     checks: Checks
     rmsd_A: float | None
+
+    def __repr__(self) -> str:
+        sound = "sound" if self.checks.sound else "not sound"
+        rmsd = "" if self.rmsd_A is None else f", RMSD {self.rmsd_A:.2f} Å"
+        return f"<AtomModel {self.rank}: {len(self.positions_A)} atoms, {sound}{rmsd}>"
 
 
 def build_atoms(

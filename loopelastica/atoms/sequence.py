@@ -9,7 +9,9 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.fibre import fibre_nucleotide
-from loopelastica.folding.fold import LoopFold, checked_parameters, fold_positions
+from loopelastica.folding.fold import fold_model
+from loopelastica.folding.options import FoldOptions
+from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.hairpins import MAX_LOOP, MIN_LOOP, Hairpin
 from loopelastica.molecule.nucleotides import Structure, read_structure
 from loopelastica.molecule.reading import quiet
@@ -126,19 +128,25 @@ def ideal_hairpin(text: str, is_dna: bool) -> tuple[Structure, Hairpin, Array]:
 def fold_sequence(
     text: str, is_dna: bool, *, max_candidates: int = 10
 ) -> tuple[Structure, LoopFold, Array]:
-    """Ideal stem of a sequence with its loop folded; see :func:`ideal_hairpin`.
+    """Ideal stem of a sequence with its loop folded.
+
+    Parameters
+    ----------
+    text, is_dna
+        As for :func:`ideal_hairpin`.
+    max_candidates : int
+        Most candidates kept.
 
     Returns
     -------
     structure : Structure
     fold : LoopFold
     positions : (n_atoms, 3) array
-        What :func:`loopelastica.atoms.model.build_atoms` wants with them.
+        For :func:`loopelastica.atoms.model.build_atoms`, Å; NaN for the loop.
     """
     structure, hairpin, positions = ideal_hairpin(text, is_dna)
-    parameters = checked_parameters(max_candidates=max_candidates, all_models=False)
-    fold = fold_positions(structure.nucleotides, hairpin, positions, **parameters)
-    return structure, fold, positions
+    options = FoldOptions(max_candidates=max_candidates, all_models=False)
+    return structure, fold_model(structure.nucleotides, hairpin, positions, options), positions
 
 
 def _screwed(at: Array, step: int, is_dna: bool) -> Array:

@@ -23,7 +23,7 @@ AHEAD = 3
 class Outcome:
     """What became of a task: its value, or a sentence.
 
-    `final` tells whether another try would end the same way; `lost` that its workers died.
+    `final`: another try would end the same way; `lost`: its workers died.
     """
 
     task: Any
@@ -52,6 +52,10 @@ def outcomes(
     scheduler : str, optional
         Address of a running dask scheduler, used instead. Its workers need this package and the
         same file system.
+
+    Yields
+    ------
+    Outcome
 
     Raises
     ------

@@ -28,30 +28,31 @@ class _Columns(dict[str, int]):
         return column
 
 
-def recognize(universe: Any) -> Nucleotides:
-    """Table of the nucleotides of an MDAnalysis Universe, in the order of its residues.
+def recognize(atoms: Any) -> Nucleotides:
+    """Table of the nucleotides among some atoms, in the order of their residues.
 
     Parameters
     ----------
-    universe : MDAnalysis.Universe
-        Atoms need names; chains, insertion codes, altlocs and occupancies may be absent.
+    atoms : MDAnalysis.AtomGroup
+        Atoms need names; chains, insertion codes, altlocs and occupancies may be absent. Others of
+        the same Universe do not count.
 
     Returns
     -------
     Nucleotides
-        Of length 0 where there is none. Of alternative locations the one of highest mean occupancy
-        in its residue is taken, the first by letter among equals.
+        Of length 0 where there is none; atoms count as in the whole Universe. Of alternative
+        locations the one of highest mean occupancy in its residue is taken, the first by letter
+        among equals.
     """
-    atoms = universe.atoms
     residue_of = np.asarray(atoms.resindices, dtype=np.int64)
     altloc = _strings(atoms, "altLocs")
     occupancy = np.asarray(getattr(atoms, "occupancies", np.ones(len(atoms))), dtype=np.float64)
     preferred = _preferred(residue_of, altloc, occupancy)
-    table = _index_table(atoms.names, residue_of, preferred, len(universe.residues))
+    table = _index_table(atoms.names, residue_of, preferred, len(atoms.universe.residues))
     rows = np.flatnonzero(_is_nucleotide(table))
     table = table[rows]
 
-    residues = universe.residues[rows]
+    residues = atoms.universe.residues[rows]
     chain = _chains(atoms, residues, table)
     resid = np.asarray(residues.resids, dtype=np.int64)
     icode = _strings(residues, "icodes")
@@ -66,7 +67,7 @@ def recognize(universe: Any) -> Nucleotides:
         letter=_letters(table, is_dna),
         is_dna=is_dna,
         altloc=_taken(altloc, table),
-        atom_index=table,
+        atom_index=np.where(table >= 0, atoms.indices[table], -1),
     )
 
 

@@ -1,4 +1,4 @@
-"""The door: a file or a Universe becomes a table of nucleotides and positions, model by model.
+"""A file, a Universe or an AtomGroup becomes a table of nucleotides, and positions by model.
 
 >>> from loopelastica._files import data_path
 >>> structure = read_structure(data_path("hairpins/2koc.pdb"))
@@ -22,7 +22,7 @@ from loopelastica.molecule._recognition import recognize
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
 from loopelastica.molecule.reading import (
     Frames,
-    TrajectoryFrames,
+    TableFrames,
     first_line,
     is_pdb,
     open_file,
@@ -63,13 +63,13 @@ class Structure:
     name : str
         File name, or "universe".
     source : str or None
-        Path as given, None for a Universe.
+        Path as given, None for a Universe or an AtomGroup.
     nucleotides : Nucleotides
         Table of the nucleotides, the same for every model.
     universe : MDAnalysis.Universe
         All atoms; `nucleotides.atom_index` counts in them.
     remarks : tuple of str
-        One sentence for each choice made in reading that a user should know of.
+        One sentence for each choice made in reading that a user should be aware of.
     """
 
     name: str
@@ -81,7 +81,7 @@ class Structure:
 
     @property
     def n_models(self) -> int:
-        """Number of models, or of frames of a trajectory."""
+        """Number of models of a file; 1 for the current frame of a Universe."""
         return self._frames.n_models
 
     def positions(self, model: int = 0) -> NDArray[np.float64]:
@@ -118,12 +118,18 @@ class Structure:
 
 
 def read_structure(source: Any) -> Structure:
-    """Read a file or take an MDAnalysis Universe.
+    """Read a file, or take a Universe or an AtomGroup in its current frame.
 
     Parameters
     ----------
-    source : path, MDAnalysis.Universe or Structure
-        PDB or mmCIF (also gzipped), or whatever MDAnalysis reads; a Structure is returned as it is.
+    source : path, MDAnalysis.Universe, MDAnalysis.AtomGroup or Structure
+        PDB or mmCIF (also gzipped), or whatever MDAnalysis reads, with all its models; a Universe,
+        or a group of its atoms, in the frame its trajectory is at, which is the only model; a
+        Structure is returned as it is.
+
+    Returns
+    -------
+    Structure
 
     Raises
     ------
@@ -133,10 +139,6 @@ def read_structure(source: Any) -> Structure:
         If mmCIF is to be read without gemmi.
     ValueError
         If `source` is none of these.
-
-    Notes
-    -----
-    A Universe is given back at the frame it was at.
     """
     if isinstance(source, Structure):
         return source
@@ -144,22 +146,24 @@ def read_structure(source: Any) -> Structure:
     if isinstance(source, str | os.PathLike):
         path = Path(source)
         universe, frames = open_file(path)
-        name, where = path.name, str(path)
-    elif getattr(source, "universe", None) is source:
-        if not hasattr(source, "trajectory"):
+        atoms, name, where = universe.atoms, path.name, str(path)
+    elif hasattr(source, "universe") and hasattr(source, "atoms"):
+        universe, atoms, name, where = source.universe, source.atoms.unique, "universe", None
+        if not hasattr(universe, "trajectory"):
             raise StructureError("universe: it has no coordinates")
-        universe, frames = source, TrajectoryFrames(source)
-        name, where = "universe", None
+        frames = TableFrames((np.array(universe.atoms.positions, dtype=np.float64),), True)
     else:
-        raise ValueError(f"`source` is neither a path nor a Universe but {type(source).__name__}")
+        raise ValueError(
+            f"`source` is neither a path nor a Universe nor an AtomGroup but"
+            f" {type(source).__name__}"
+        )
     with quiet():
         if not hasattr(universe.atoms, "names"):
             raise StructureError(f"{where or name}: the atoms have no names")
-        nucleotides = recognize(universe)
+        nucleotides = recognize(atoms)
     if len(nucleotides) == 0:
-        raise StructureError(
-            f"{where or name}: no nucleotide found among {len(universe.residues)} residues"
-        )
+        n_residues = len(atoms.residues)
+        raise StructureError(f"{where or name}: no nucleotide found among {n_residues} residues")
     remarks = tuple(_remarks(nucleotides, frames))
     structure = Structure(name, where, nucleotides, universe, remarks, frames)
     structure.positions(0)

@@ -50,7 +50,7 @@ class Frames(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrajectoryFrames:
-    """The frames of a Universe, read when asked for."""
+    """The frames of the Universe of a file, each read when it is needed."""
 
     universe: Any
     complete: bool = True
@@ -61,23 +61,15 @@ class TrajectoryFrames:
         return int(self.universe.trajectory.n_frames)
 
     def model(self, k: int) -> NDArray[np.float64]:
-        """Positions of frame k; the Universe is given back at the frame it was at."""
-        trajectory = self.universe.trajectory
-        current = trajectory.frame
-        # Seeking to the current frame would reread it and lose positions a user has set.
-        if k == current:
-            return np.array(self.universe.atoms.positions, dtype=np.float64)
+        """Positions of frame k."""
         with quiet():
-            try:
-                trajectory[k]
-                return np.array(self.universe.atoms.positions, dtype=np.float64)
-            finally:
-                trajectory[current]
+            self.universe.trajectory[k]
+        return np.array(self.universe.atoms.positions, dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TableFrames:
-    """Models read by this module, all in memory."""
+    """Models whose positions are all in memory."""
 
     tables: tuple[NDArray[np.float64], ...]
     complete: bool

@@ -19,9 +19,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Record
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Strand:
+class Strand(Record):
     """One ideal strand, its helix axis along z.
 
     Attributes
@@ -45,9 +47,6 @@ class Strand:
     rise_A: float
     length_per_nucleotide_A: float
     fitted_nucleotides: int
-
-    def __post_init__(self) -> None:
-        self.atoms.setflags(write=False)
 
 
 B_DNA: Final = Strand(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from loopelastica.errors import StructureError
+from loopelastica._arrays import Array, read_only
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.nucleotides import Nucleotides, centroids_at
 
@@ -93,26 +93,28 @@ def smoothed_line(centroids_A: NDArray[np.float64], n_points: int) -> NDArray[np
     return np.asarray(spline(np.linspace(0.5, last - 0.5, n_points)), dtype=np.float64)
 
 
-def native_line(
-    nucleotides: Nucleotides, hairpin: Hairpin, positions: NDArray[np.float64], n_points: int = 100
-) -> NDArray[np.float64]:
-    """Smoothed native backbone (n_points, 3) of a loop, Å; see :func:`smoothed_line`.
+def native_backbone(
+    nucleotides: Nucleotides, hairpin: Hairpin, positions: NDArray[np.float64]
+) -> Array | None:
+    """The file's own loop, for comparison only.
 
-    Raises
-    ------
-    StructureError
-        If a nucleotide from closing to closing lacks one of the six backbone atoms.
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        The table the hairpin was found in.
+    hairpin : Hairpin
+        Which loop.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
+
+    Returns
+    -------
+    (n + 2, 3) array or None
+        Centroids from closing to closing nucleotide, Å; None if one is not in the file.
     """
     rows = np.concatenate([hairpin.stem_5[:1], hairpin.loop, hairpin.stem_3[:1]])
-    points = centroids_at(nucleotides, positions, rows)
-    unknown = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(unknown):
-        first, last = hairpin.closing_pair
-        label = (first, *hairpin.residues, last)[unknown[0]]
-        raise StructureError(
-            f"{label}: a backbone atom is missing; the native line of the loop cannot be drawn"
-        )
-    return smoothed_line(points, n_points)
+    backbone = centroids_at(nucleotides, positions, rows)
+    return read_only(backbone) if np.isfinite(backbone).all() else None
 
 
 def rmsd_A(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
