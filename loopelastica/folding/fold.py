@@ -52,7 +52,7 @@ def fold(structure: Any, /, options: FoldOptions) -> list[LoopFold]:
     >>> from loopelastica._files import data_path
     >>> (loop,) = fold(data_path("hairpins/2koc.pdb"), all_models=False)
     >>> loop
-    <LoopFold A6-9 CUUCGG: 3 candidates, first E/K0 0.1 1/Å, RMSD 2.12 Å>
+    <LoopFold A6-9 CUUCGG: 3 candidates, first E/K0 0.302 1/Å, RMSD 2.12 Å>
     """
     structure = read_structure(structure)
     return fold_hairpins(structure, find_hairpins(structure, **options.selection), options)

@@ -120,6 +120,7 @@ def scan(structure: Any, /, options: ScanOptions) -> list[LoopScan]:
     >>> from loopelastica._files import data_path
     >>> (loop,) = scan(data_path("hairpins/2koc.pdb"), extend_5_max=1, extend_3_max=1)
     >>> print(f"{len(loop.candidates)} candidates, spread {loop.spread_A:.1f} Å")
+    19 candidates, spread 1.5 Å
     """
     structure = read_structure(structure)
     hairpins = find_hairpins(structure, **options.selection)

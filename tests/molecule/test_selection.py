@@ -148,10 +148,10 @@ def test_insertion_codes_and_negative_numbers(pdb, koc_lines):
     assert hairpin.residues == ("A.U6^A",)
 
 
-def test_with_insertion_codes_the_numbers_do_not_tell_a_length(pdb, koc_lines):
+def test_with_insertion_codes_the_numbers_give_no_length(pdb, koc_lines):
     numbers = {k: f"{k:4d} " for k in range(1, 15)} | {7: "   6A", 8: "   6B"}
     lines = [line for line in renumbered(koc_lines, numbers) if line[22:27] != "   6A"]
-    with pytest.raises(StructureError, match="do not tell how many"):
+    with pytest.raises(StructureError, match="do not say how many"):
         find_hairpins(pdb(lines), loop="A.6-9")
 
 
