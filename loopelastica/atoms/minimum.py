@@ -139,10 +139,7 @@ def _restraints(
     pairs, outer, outer_sd = outer_distances(geometry)
     chiral, volume = chiral_quads(molecule)
     planar = planar_quads(molecule)
-    quads = [
-        (chiral, volume, VOLUME_SD_A3),
-        (planar, np.zeros(len(planar)), PLANAR_SD_A3),
-    ]
+    quads = [(chiral, volume, VOLUME_SD_A3), (planar, np.zeros(len(planar)), PLANAR_SD_A3)]
     if phases_deg is not None:
         quads.append((*ring_quads(molecule, geometry, phases_deg), PUCKER_SD_A3))
     near, near_A = _near(site, order, len(moving))

@@ -164,10 +164,7 @@ def _universe(
 
     with quiet():
         universe = mda.Universe.empty(
-            len(names),
-            n_residues=len(sequence),
-            atom_resindex=resindex,
-            trajectory=True,
+            len(names), n_residues=len(sequence), atom_resindex=resindex, trajectory=True
         )
         for attribute, values in {
             "name": names,

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
 def build(
     sequence: Annotated[
-        str,
-        typer.Argument(help='Stem and loop, such as "GGCAC(UUCG)GUGCC".', show_default=False),
+        str, typer.Argument(help='Stem and loop, such as "GGCAC(UUCG)GUGCC".', show_default=False)
     ],
     is_dna: Annotated[
         bool, typer.Option("--dna/--rna", help="B-DNA or A-RNA stem.", show_default=False)

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.molecule.nucleotides import Nucleotides, atom_positions, enumerated
 from loopelastica.molecule.selection import Place, row_at, rows_at
@@ -27,7 +28,7 @@ def pairs_of(partner: NDArray[np.int64]) -> list[tuple[int, int]]:
 
 def closing_pairs(
     nucleotides: Nucleotides,
-    positions: NDArray[np.float64],
+    positions: Array,
     partner: NDArray[np.int64],
     joined: NDArray[np.bool_],
     given: set[tuple[int, int]],
@@ -91,7 +92,7 @@ def stem_length(partner: NDArray[np.int64], joined: NDArray[np.bool_], i: int, j
     return n
 
 
-def _stem_goes_on(c1: NDArray[np.float64], joined: NDArray[np.bool_], i: int, j: int) -> bool:
+def _stem_goes_on(c1: Array, joined: NDArray[np.bool_], i: int, j: int) -> bool:
     """Whether the strands run on side by side outside an isolated pair, one bulge allowed."""
     for a, b in ((1, 1), (1, 2), (2, 1)):
         if i - a < 0 or j + b >= len(c1):

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides, column_of
 
 _SUGAR = ("C1'", "C3'", "C4'")
@@ -90,7 +91,7 @@ def _is_nucleotide(table: NDArray[np.int64]) -> NDArray[np.bool_]:
 
 
 def _preferred(
-    residue_of: NDArray[np.int64], altloc: NDArray[np.str_], occupancy: NDArray[np.float64]
+    residue_of: NDArray[np.int64], altloc: NDArray[np.str_], occupancy: Array
 ) -> NDArray[np.bool_]:
     """Mark the atoms without altloc and those of the one altloc chosen in each residue."""
     preferred: NDArray[np.bool_] = np.asarray(altloc == "", dtype=np.bool_)
@@ -139,7 +140,7 @@ def _one_of_each(
     icode: NDArray[np.str_],
     table: NDArray[np.int64],
     altloc: NDArray[np.str_],
-    occupancy: NDArray[np.float64],
+    occupancy: Array,
 ) -> NDArray[np.int64]:
     """Rows left when two residues share one place (altlocs of different residue names)."""
     sugar = table[:, column_of("C1'")]

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from loopelastica._arrays import Record
+from loopelastica._arrays import Array, Record
 from loopelastica.errors import StructureError
 from loopelastica.molecule.clamp_rule import STEM_RMS_MAX_A, StemClamp, plain_clamp
 from loopelastica.molecule.hairpins import Hairpin
@@ -56,16 +56,16 @@ class StemEnds(Record):
         the stem is no A or B helix and the clamp means nothing.
     """
 
-    start_origin_A: NDArray[np.float64]
-    start_frame: NDArray[np.float64]
-    end_origin_A: NDArray[np.float64]
-    end_frame: NDArray[np.float64]
+    start_origin_A: Array
+    start_frame: Array
+    end_origin_A: Array
+    end_frame: Array
     length_A: float
     clamp: StemClamp
-    continued_5_A: NDArray[np.float64]
-    continued_3_A: NDArray[np.float64]
-    fit_rms_A: NDArray[np.float64]
-    stem_rms_A: NDArray[np.float64] | None
+    continued_5_A: Array
+    continued_3_A: Array
+    fit_rms_A: Array
+    stem_rms_A: Array | None
 
     def __repr__(self) -> str:
         return (
@@ -73,11 +73,11 @@ class StemEnds(Record):
             f" {self.n_free} nucleotides, stem misfit {self.rms_A:.2f} Å>"
         )
 
-    def to_file(self, centerline: NDArray[np.float64]) -> NDArray[np.float64]:
+    def to_file(self, centerline: Array) -> Array:
         """Line (n, 3) of unit length in the start frame → Å in the coordinates of the file."""
         return to_file_coordinates(centerline, self.start_origin_A, self.start_frame, self.length_A)
 
-    def trace(self, centerline: NDArray[np.float64]) -> NDArray[np.float64]:
+    def trace(self, centerline: Array) -> Array:
         """The same, with the nucleotides that continue the stem before and after."""
         return np.concatenate([self.continued_5_A, self.to_file(centerline), self.continued_3_A])
 
@@ -127,10 +127,7 @@ class StemEnds(Record):
 
 
 def stem_ends(
-    nucleotides: Nucleotides,
-    hairpin: Hairpin,
-    positions: NDArray[np.float64],
-    clamp: StemClamp | None = None,
+    nucleotides: Nucleotides, hairpin: Hairpin, positions: Array, clamp: StemClamp | None = None
 ) -> StemEnds:
     """Clamp a loop to its stem; no atom of the loop is looked at.
 
@@ -189,10 +186,10 @@ class FittedStem(Record):
     """
 
     hairpin: Hairpin
-    file_from_strand: NDArray[np.float64]
-    shift_A: NDArray[np.float64]
-    fit_rms_A: NDArray[np.float64]
-    stem_rms_A: NDArray[np.float64] | None
+    file_from_strand: Array
+    shift_A: Array
+    fit_rms_A: Array
+    stem_rms_A: Array | None
 
     def ends(self, clamp: StemClamp) -> StemEnds:
         """The ends of the rod for one clamp; raises as :func:`stem_ends` does."""
@@ -244,18 +241,14 @@ class FittedStem(Record):
             else:
                 return ends.check_reach(self.hairpin.label)
 
-    def _line_frame(
-        self, side: int, phase: float, taper: float = 0.0
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _line_frame(self, side: int, phase: float, taper: float = 0.0) -> tuple[Array, Array]:
         """Point and frame of the 5' (0) or 3' (1) strand's line; see :func:`line_frame`."""
         point, frame = line_frame(ideal_strand(self.hairpin.is_dna), phase, taper)
         rotation = self.file_from_strand[side]
         return rotation @ point + self.shift_A[side], rotation @ frame
 
 
-def fit_stem(
-    nucleotides: Nucleotides, hairpin: Hairpin, positions: NDArray[np.float64]
-) -> FittedStem:
+def fit_stem(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array) -> FittedStem:
     """Lay the ideal strand on each strand of the stem.
 
     Parameters
@@ -288,12 +281,8 @@ def fit_stem(
 
 
 def _fit(
-    strand: Strand,
-    nucleotides: Nucleotides,
-    rows: NDArray[np.int64],
-    step: int,
-    positions: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    strand: Strand, nucleotides: Nucleotides, rows: NDArray[np.int64], step: int, positions: Array
+) -> tuple[Array, Array, float]:
     """Lay the ideal strand on the nucleotides `rows`, the closing one at phase 0.
 
     `step` is −1 where the rows go against the chain (5' strand), 1 where they go along it.
@@ -305,9 +294,7 @@ def _fit(
     return _superpose(ideal[present], real[present])
 
 
-def _superpose(
-    ideal: NDArray[np.float64], real: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+def _superpose(ideal: Array, real: Array) -> tuple[Array, Array, float]:
     """Rotation, shift and misfit of the rigid motion of least squares (Kabsch), no reflection."""
     ideal_center, real_center = ideal.mean(axis=0), real.mean(axis=0)
     u, _, vt = np.linalg.svd((real - real_center).T @ (ideal - ideal_center))
@@ -318,9 +305,7 @@ def _superpose(
     return rotation, shift, float(np.sqrt((misfit**2).sum(axis=1).mean()))
 
 
-def _check_stem(
-    nucleotides: Nucleotides, rows: NDArray[np.int64], positions: NDArray[np.float64]
-) -> None:
+def _check_stem(nucleotides: Nucleotides, rows: NDArray[np.int64], positions: Array) -> None:
     """Refuse a stem strand whose atoms cannot place it, naming residue, fact and consequence."""
     index = nucleotides.columns(BACKBONE)[rows]
     for row, atoms in zip(rows, index, strict=True):

@@ -18,16 +18,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from loopelastica._arrays import Record
+from loopelastica._arrays import Array, Record
 from loopelastica._checks import texts, whole
 from loopelastica.errors import StructureError
 from loopelastica.molecule._loops import closing_pairs, named_loop, pairs_of, stem_length
-from loopelastica.molecule.nucleotides import (
-    Nucleotides,
-    enumerated,
-    linked,
-    read_structure,
-)
+from loopelastica.molecule.nucleotides import Nucleotides, enumerated, linked, read_structure
 from loopelastica.molecule.pairs import MIN_LOOP, canonical_pairs, dot_bracket
 from loopelastica.molecule.selection import Place, bracket_pairs, ends_of, named_pairs
 
@@ -200,7 +195,7 @@ def find_hairpins(
 
 def _hairpins(
     nucleotides: Nucleotides,
-    positions: NDArray[np.float64],
+    positions: Array,
     limits: tuple[int, int],
     pair: Sequence[str],
     dot_bracket: str | None,
@@ -227,7 +222,7 @@ def _hairpins(
 
 def _found(
     nucleotides: Nucleotides,
-    positions: NDArray[np.float64],
+    positions: Array,
     partner: NDArray[np.int64],
     joined: NDArray[np.bool_],
     given: set[tuple[int, int]],

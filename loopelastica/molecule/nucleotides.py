@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.molecule._recognition import recognize
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
@@ -84,7 +85,7 @@ class Structure:
         """Number of models of a file; 1 for the current frame of a Universe."""
         return self._frames.n_models
 
-    def positions(self, model: int = 0) -> NDArray[np.float64]:
+    def positions(self, model: int = 0) -> Array:
         """Positions (n_atoms, 3) of all atoms of one model, Å, read-only.
 
         MDAnalysis keeps single precision: positions have about 1e-5 Å, more than any file tells.
@@ -111,7 +112,7 @@ class Structure:
         positions.setflags(write=False)
         return positions
 
-    def models(self) -> Iterator[NDArray[np.float64]]:
+    def models(self) -> Iterator[Array]:
         """Positions of each model in turn; one model is in memory at a time."""
         for model in range(self.n_models):
             yield self.positions(model)
@@ -194,11 +195,7 @@ def enumerated(names: Sequence[str], most: int = 8) -> str:
 
 
 def _check_positions(
-    name: str,
-    model: int,
-    nucleotides: Nucleotides,
-    positions: NDArray[np.float64],
-    frames: Frames,
+    name: str, model: int, nucleotides: Nucleotides, positions: Array, frames: Frames
 ) -> None:
     """Refuse coordinates that are no numbers, or placeholders at the origin."""
     where = f"{name}, model {model + 1}" if frames.n_models > 1 else name
@@ -216,9 +213,7 @@ def _check_positions(
         raise StructureError(f"{where}: {count} at the origin, the coordinates are placeholders")
 
 
-def atom_positions(
-    nucleotides: Nucleotides, positions: NDArray[np.float64], names: Sequence[str]
-) -> NDArray[np.float64]:
+def atom_positions(nucleotides: Nucleotides, positions: Array, names: Sequence[str]) -> Array:
     """Positions (n, len(names), 3) of the named atoms of all nucleotides, NaN where missing.
 
     Parameters
@@ -236,7 +231,7 @@ def atom_positions(
     return found
 
 
-def linked(nucleotides: Nucleotides, positions: NDArray[np.float64]) -> NDArray[np.bool_]:
+def linked(nucleotides: Nucleotides, positions: Array) -> NDArray[np.bool_]:
     """Tell for each nucleotide but the last whether the chain goes on to the next one.
 
     Returns
@@ -256,15 +251,13 @@ def linked(nucleotides: Nucleotides, positions: NDArray[np.float64]) -> NDArray[
     return np.asarray(joined & same_chain, dtype=np.bool_)
 
 
-def centroids(nucleotides: Nucleotides, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+def centroids(nucleotides: Nucleotides, positions: Array) -> Array:
     """Mean (n, 3) of P O5' C5' C4' C3' O3' of each nucleotide, Å; NaN where one is missing."""
-    mean: NDArray[np.float64] = atom_positions(nucleotides, positions, BACKBONE).mean(axis=1)
+    mean: Array = atom_positions(nucleotides, positions, BACKBONE).mean(axis=1)
     return mean
 
 
-def centroids_at(
-    nucleotides: Nucleotides, positions: NDArray[np.float64], rows: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def centroids_at(nucleotides: Nucleotides, positions: Array, rows: NDArray[np.int64]) -> Array:
     """Centroids (len(rows), 3) of some nucleotides, Å; NaN for the row −1 of an absent one."""
     found = centroids(nucleotides, positions)[rows]
     found[np.asarray(rows) < 0] = np.nan

@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.errors import MissingDependencyError, StructureError
 
 _OPENERS: dict[str, Any] = {".gz": gzip.open, ".bz2": bz2.open}
@@ -44,7 +44,7 @@ class Frames(Protocol):
     def complete(self) -> bool:
         """Whether every model has every atom (NaN stands for an absent one)."""
 
-    def model(self, k: int) -> NDArray[np.float64]:
+    def model(self, k: int) -> Array:
         """Positions (n_atoms, 3) of model k, Å."""
 
 
@@ -60,7 +60,7 @@ class TrajectoryFrames:
         """Number of frames."""
         return int(self.universe.trajectory.n_frames)
 
-    def model(self, k: int) -> NDArray[np.float64]:
+    def model(self, k: int) -> Array:
         """Positions of frame k."""
         with quiet():
             self.universe.trajectory[k]
@@ -71,7 +71,7 @@ class TrajectoryFrames:
 class TableFrames:
     """Models whose positions are all in memory."""
 
-    tables: tuple[NDArray[np.float64], ...]
+    tables: tuple[Array, ...]
     complete: bool
 
     @property
@@ -79,7 +79,7 @@ class TableFrames:
         """Number of models."""
         return len(self.tables)
 
-    def model(self, k: int) -> NDArray[np.float64]:
+    def model(self, k: int) -> Array:
         """Positions of model k."""
         return np.array(self.tables[k])
 
@@ -263,9 +263,7 @@ def _identities(lines: list[str]) -> Iterator[tuple[str, int]]:
         seen[identity] += 1
 
 
-def _matched(
-    lines: list[str], order: dict[tuple[str, int], int], n_atoms: int
-) -> NDArray[np.float64]:
+def _matched(lines: list[str], order: dict[tuple[str, int], int], n_atoms: int) -> Array:
     """Positions of one model in the atom order of the first; NaN where it lacks an atom."""
     positions = np.full((n_atoms, 3), np.nan)
     for line, key in zip(lines, _identities(lines), strict=True):

@@ -7,14 +7,13 @@ n + 0.5, so that loop nucleotide k = 1 … n lies at the arc position (k − ½)
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, read_only
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.nucleotides import Nucleotides, centroids_at
 
 
-def loop_arc_positions(n: int) -> NDArray[np.float64]:
+def loop_arc_positions(n: int) -> Array:
     """Arc positions (n,) of the loop nucleotides along the rod, as fractions of its length.
 
     >>> print(loop_arc_positions(4))
@@ -31,11 +30,8 @@ def loop_arc_positions(n: int) -> NDArray[np.float64]:
 
 
 def to_file_coordinates(
-    centerline: NDArray[np.float64],
-    start_origin_A: NDArray[np.float64],
-    start_frame: NDArray[np.float64],
-    length_A: float,
-) -> NDArray[np.float64]:
+    centerline: Array, start_origin_A: Array, start_frame: Array, length_A: float
+) -> Array:
     """Line of unit length in its start frame → Å in the coordinates of the file.
 
     Parameters
@@ -58,7 +54,7 @@ def to_file_coordinates(
     return np.asarray(start_origin_A + length_A * (centerline @ np.asarray(start_frame).T))
 
 
-def smoothed_line(centroids_A: NDArray[np.float64], n_points: int) -> NDArray[np.float64]:
+def smoothed_line(centroids_A: Array, n_points: int) -> Array:
     """Smooth line through the native backbone, for drawing and comparing.
 
     Parameters
@@ -93,9 +89,7 @@ def smoothed_line(centroids_A: NDArray[np.float64], n_points: int) -> NDArray[np
     return np.asarray(spline(np.linspace(0.5, last - 0.5, n_points)), dtype=np.float64)
 
 
-def native_backbone(
-    nucleotides: Nucleotides, hairpin: Hairpin, positions: NDArray[np.float64]
-) -> Array | None:
+def native_backbone(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array) -> Array | None:
     """The file's own loop, for comparison only.
 
     Parameters
@@ -117,7 +111,7 @@ def native_backbone(
     return read_only(backbone) if np.isfinite(backbone).all() else None
 
 
-def rmsd_A(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+def rmsd_A(a: Array, b: Array) -> float:
     """Root mean square distance of two (n, 3) sets of points where they are, not superposed.
 
     >>> rmsd_A(np.zeros((2, 3)), np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]))

@@ -156,10 +156,7 @@ def about(hairpin: Hairpin) -> dict[str, Any]:
 
 def partners(hairpin: Hairpin) -> dict[str, Any]:
     """What its loop pairs with outside, JSON-ready."""
-    return {
-        "contacts": [list(pair) for pair in hairpin.contacts],
-        "kissing": list(hairpin.kissing),
-    }
+    return {"contacts": [list(pair) for pair in hairpin.contacts], "kissing": list(hairpin.kissing)}
 
 
 def line(fold: LoopFold, candidate: Candidate, n: int = LINE_POINTS) -> dict[str, Array]:
