@@ -191,7 +191,19 @@ def fibre_nucleotide(letter: str, is_dna: bool) -> dict[str, Array]:
 
 
 def in_line_frame(strand: Strand, position: Array) -> Array:
-    """Components (…, 3) along d1 d2 d3 of the strand's line at phase 0, Å; see `line_frame`."""
+    """Components (…, 3) along d1 d2 d3 of the strand's line at phase 0, Å; see `line_frame`.
+
+    Parameters
+    ----------
+    strand : Strand
+        Which ideal strand.
+    position : (…, 3) array
+        In the coordinates of its table, Å.
+
+    Returns
+    -------
+    (…, 3) array
+    """
     point, frame = line_frame(strand, 0.0)
     local: Array = (np.asarray(position) - point) @ frame
     return local

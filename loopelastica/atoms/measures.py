@@ -11,13 +11,37 @@ from loopelastica._arrays import Array
 
 
 def bond_lengths(positions: Array, bonds: NDArray[np.int64]) -> Array:
-    """Lengths (b,) of bonds (b, 2), Å."""
+    """Lengths (b,) of bonds (b, 2), Å.
+
+    Parameters
+    ----------
+    positions : (N, 3) array
+        Å.
+    bonds : (b, 2) array of int
+        Rows.
+
+    Returns
+    -------
+    (b,) array
+    """
     between = positions[bonds[:, 0]] - positions[bonds[:, 1]]
     return np.asarray(np.linalg.norm(between, axis=1))
 
 
 def angles_deg(positions: Array, angles: NDArray[np.int64]) -> Array:
-    """Angles (a,) of triples (a, 3), degrees."""
+    """Angles (a,) of triples (a, 3), degrees.
+
+    Parameters
+    ----------
+    positions : (N, 3) array
+        Å.
+    angles : (a, 3) array of int
+        Rows, the middle one the corner.
+
+    Returns
+    -------
+    (a,) array
+    """
     u = positions[angles[:, 0]] - positions[angles[:, 1]]
     v = positions[angles[:, 2]] - positions[angles[:, 1]]
     across = np.linalg.norm(np.cross(u, v), axis=1)
@@ -27,6 +51,17 @@ def angles_deg(positions: Array, angles: NDArray[np.int64]) -> Array:
 def torsion_deg(a: Array, b: Array, c: Array, d: Array) -> float:
     """Torsion about b–c by the IUPAC sign, degrees in (−180, 180].
 
+    Parameters
+    ----------
+    a, b, c, d : (3,) array
+        Four atoms in a row.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
     >>> torsion_deg(*np.array([[1.0, 0, 0], [0, 0, 0], [0, 0, 1], [0, 1, 1]]))
     90.0
     """
@@ -49,6 +84,15 @@ def pseudorotation(c1: Array, c2: Array, c3: Array, c4: Array, o4: Array) -> tup
     """Phase in [0, 360) and amplitude of a sugar ring, degrees.
 
     Altona & Sundaralingam, J. Am. Chem. Soc. 94 (1972) 8205, doi:10.1021/ja00778a043.
+
+    Parameters
+    ----------
+    c1, c2, c3, c4, o4 : (3,) array
+        Ring atoms, Å.
+
+    Returns
+    -------
+    phase, amplitude : float
     """
     nu_2 = torsion_deg(c1, c2, c3, c4)
     nu_3 = torsion_deg(c2, c3, c4, o4)

@@ -132,6 +132,10 @@ def relax(
         Wall time after which it stops; the result then depends on the machine.
     tolerance_A : float
         Converged when no atom moves further in a step.
+
+    Returns
+    -------
+    Relaxed
     """
     x = np.array(start_A, dtype=np.float64)
     limit = time.monotonic() + max_seconds

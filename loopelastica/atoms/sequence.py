@@ -12,8 +12,9 @@ from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.folding.fold import fold_model
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.result import LoopFold
-from loopelastica.molecule.hairpins import MAX_LOOP, MIN_LOOP, Hairpin
+from loopelastica.molecule.hairpins import MAX_LOOP, Hairpin
 from loopelastica.molecule.nucleotides import Structure, read_structure
+from loopelastica.molecule.pairs import MIN_LOOP
 from loopelastica.molecule.reading import quiet
 from loopelastica.molecule.strands import ideal_strand
 
@@ -22,6 +23,17 @@ _PAIRS: Final = frozenset(("AU", "UA", "AT", "TA", "GC", "CG", "GU", "UG", "GT",
 
 def read_sequence(text: str, is_dna: bool) -> tuple[str, str, str]:
     """The 5' strand, the loop and the 3' strand of "GGCAC(UUCG)GUGCC".
+
+    Parameters
+    ----------
+    text : str
+        Such as "GGCAC(UUCG)GUGCC".
+    is_dna : bool
+        A, C, G, T, else A, C, G, U.
+
+    Returns
+    -------
+    strand_5, loop, strand_3 : str
 
     Raises
     ------

@@ -83,7 +83,19 @@ def outcomes(
 
 
 def attempt(function: Callable[[Any], Any], task: Any) -> Outcome:
-    """The outcome of one task; nothing it raises gets out."""
+    """The outcome of one task; nothing it raises gets out.
+
+    Parameters
+    ----------
+    function : callable
+        What is done.
+    task : Any
+        Its argument.
+
+    Returns
+    -------
+    Outcome
+    """
     try:
         return Outcome(task, function(task))
     except LoopelasticaError as error:

@@ -9,12 +9,8 @@ import typer
 from loopelastica.cli import options as o
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from loopelastica.folding.options import FoldOptions
     from loopelastica.folding.result import LoopFold
-    from loopelastica.molecule.nucleotides import Structure
-    from loopelastica.report.atoms import LoopAtoms
     from loopelastica.report.folder import Folders
 
 
@@ -80,8 +76,7 @@ def fold(
     if many:
         _fold_many(files, out, options, plot, jobs or 1, scheduler)
     else:
-        build = _builder(contact) if atoms else None
-        _fold_each(files, out, options, plot, whole, build)
+        _fold_each(files, out, options, _Output(plot, whole, atoms, contact))
 
 
 def _fold_many(
@@ -103,6 +98,16 @@ def _fold_many(
         f" {done.table}"
     )
     o.fail_of_many(done.failures, out)
+
+
+@dataclass(frozen=True)
+class _Output:
+    """What is written of each loop beside the tables."""
+
+    plot: bool
+    whole: bool | None
+    atoms: bool
+    contact: str | None
 
 
 @dataclass
@@ -132,14 +137,7 @@ class _Results:
         ]
 
 
-def _fold_each(
-    files: list[Path],
-    out: Path,
-    options: "FoldOptions",
-    plot: bool,
-    whole: bool | None,
-    build: "Callable[[Structure, LoopFold], LoopAtoms] | None",
-) -> None:
+def _fold_each(files: list[Path], out: Path, options: "FoldOptions", output: _Output) -> None:
     from tqdm import tqdm
 
     from loopelastica.errors import LoopelasticaError
@@ -149,7 +147,7 @@ def _fold_each(
     results, folders = _Results(), Folders(out)
     for file in tqdm(files, disable=len(files) < 2, unit="file", leave=False):
         try:
-            _fold_file(file, options, folders, results, plot, whole, build)
+            _fold_file(file, options, folders, results, output)
         except LoopelasticaError as error:
             results.rows.append((file.name, str(error), None))
         except ValueError as error:
@@ -169,14 +167,9 @@ def _fold_each(
 
 
 def _fold_file(
-    file: Path,
-    options: "FoldOptions",
-    folders: "Folders",
-    results: _Results,
-    plot: bool,
-    whole: bool | None,
-    build: "Callable[[Structure, LoopFold], LoopAtoms] | None",
+    file: Path, options: "FoldOptions", folders: "Folders", results: _Results, output: _Output
 ) -> None:
+    from loopelastica.cli.build import atoms_of
     from loopelastica.errors import LoopelasticaError
     from loopelastica.folding.fold import fold_hairpins
     from loopelastica.molecule.hairpins import find_hairpins
@@ -189,7 +182,8 @@ def _fold_file(
     found = find_hairpins(structure, **options.selection)
     sentences = remarks(structure, found)
     loops = fold_hairpins(structure, found, options)
-    with_whole = len(structure.universe.atoms) <= WHOLE_ATOMS if whole is None else whole
+    small = len(structure.universe.atoms) <= WHOLE_ATOMS
+    with_whole = small if output.whole is None else output.whole
     full = WholeStructure(structure) if loops and with_whole else None
     sentences += [
         f"chain {chain} is {letter} in the PDB files that are written"
@@ -202,16 +196,11 @@ def _fold_file(
         if loop.failure is None:
             folder, built = folders.claim(file, loop), None
             try:
-                built = None if build is None else build(structure, loop)
+                if output.atoms:
+                    built = atoms_of(structure, loop, structure.positions(0), output.contact)
             except LoopelasticaError as error:
                 results.without_atoms.append(f"{file.name}: {error}")
-            write_fold(folder, file, loop, structure, plot, full, built)
+            write_fold(folder, file, loop, structure, output.plot, full, built)
         sentences += loop.remarks
         results.rows.append((file.name, loop, folder))
     results.notes += [f"{file.name}: {sentence}" for sentence in sentences]
-
-
-def _builder(contact: str | None) -> "Callable[[Structure, LoopFold], LoopAtoms]":
-    from loopelastica.cli.build import atoms_of
-
-    return lambda structure, loop: atoms_of(structure, loop, structure.positions(0), contact)

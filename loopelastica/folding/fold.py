@@ -114,13 +114,8 @@ def fold_model(
     except StructureError as error:
         return LoopFold(hairpin, (), options, failure=str(error))
     backbone_A = native_backbone(nucleotides, hairpin, positions)
-    candidates = rank(
-        rods,
-        ends,
-        options.persistence_length_A,
-        stem_atoms(nucleotides, hairpin, positions),
-        None if backbone_A is None else backbone_A[1:-1],
-    )
+    stem = stem_atoms(nucleotides, hairpin, positions)
+    candidates = rank(rods, ends, options.persistence_length_A, stem, backbone_A)
     return LoopFold(
         hairpin,
         candidates[: options.max_candidates],

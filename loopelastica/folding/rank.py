@@ -81,7 +81,7 @@ def rank(
     ends: StemEnds,
     persistence_length_A: float,
     stem: tuple[Array, Array],
-    native_A: Array | None,
+    backbone_A: Array | None,
 ) -> tuple[Candidate, ...]:
     """Candidates of one model: those that touch nothing first, each kind by its energy.
 
@@ -95,8 +95,9 @@ def rank(
         Scale of ``energy_kT``, Å.
     stem : (m, 3), (m,) array
         Atoms of the stem and their phases (:func:`stem_atoms`).
-    native_A : (n_nt, 3) array or None
-        Centroids of the file's loop; `rmsd_models_A` then holds this model only.
+    backbone_A : (n_nt + 2, 3) array or None
+        Centroids of the file's own loop, closing nucleotide to closing nucleotide, Å;
+        `rmsd_models_A` then holds this model only.
 
     Returns
     -------
@@ -109,7 +110,7 @@ def rank(
     for place, i in enumerate(order, start=1):
         rod = rods[i]
         trace = ends.trace(rod.centerline(loop_arc_positions(ends.n_free)))
-        rmsd = None if native_A is None else rmsd_A(trace, native_A)
+        rmsd = None if backbone_A is None else rmsd_A(trace, backbone_A[1:-1])
         energy_per_A = rod.energy / ends.length_A
         candidates.append(
             Candidate(

@@ -155,13 +155,12 @@ def scan_loop(
     except StructureError as error:
         return LoopScan(hairpin, (), failure=str(error))
     backbone_A = native_backbone(nucleotides, hairpin, positions)
-    native_A = None if backbone_A is None else backbone_A[1:-1]
     atoms = stem_atoms(nucleotides, hairpin, positions)
     found = []
     for ends in _feasible(stem, plain, options):
         clamping = clamping_of(ends, options.free_spin)
         rods = equilibria(clamping, options.torsion_ratio, rounds=1)
-        candidates = rank(rods, ends, options.persistence_length_A, atoms, native_A)
+        candidates = rank(rods, ends, options.persistence_length_A, atoms, backbone_A)
         found += [(candidate, ends) for candidate in candidates]
     spread_A = _spread_A([c.trace for c, ends in found if c.rank == 1 and _near(ends)])
     return LoopScan(hairpin, _ranked(found, rule), spread_A)

@@ -49,7 +49,22 @@ class Contacts:
 
 
 def stem_atoms(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array) -> tuple[Array, Array]:
-    """Atoms (m, 3) of the stem, Å, and the phase (m,) of the nucleotide of each."""
+    """Atoms (m, 3) of the stem, Å, and the phase (m,) of the nucleotide of each.
+
+    Parameters
+    ----------
+    nucleotides, hairpin
+        What was read, and which of its loops.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
+
+    Returns
+    -------
+    atoms_A : (m, 3) array
+        Å.
+    phases : (m,) array
+        Those of their nucleotides along the chain, 0 the 5' closing one.
+    """
     n_pairs, n = len(hairpin.stem_5), len(hairpin)
     rows = np.concatenate([hairpin.stem_5, hairpin.stem_3])
     phases = np.concatenate([-np.arange(n_pairs), n + 1 + np.arange(n_pairs)])
@@ -70,6 +85,10 @@ def contacts(line_A: Array, phases: Array, atoms_A: Array, atom_phases: Array) -
         Their places along the chain in nucleotides, 0 the 5' closing one.
     atoms_A, atom_phases : (m, 3), (m,) array
         The stem, as from :func:`stem_atoms`.
+
+    Returns
+    -------
+    Contacts
 
     Examples
     --------

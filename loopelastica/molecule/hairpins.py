@@ -26,16 +26,6 @@ from loopelastica.molecule.nucleotides import Nucleotides, enumerated, linked, r
 from loopelastica.molecule.pairs import MIN_LOOP, canonical_pairs, dot_bracket
 from loopelastica.molecule.selection import Place, bracket_pairs, ends_of, named_pairs
 
-__all__ = [
-    "MAX_LOOP",
-    "MIN_LOOP",
-    "Hairpin",
-    "Hairpins",
-    "canonical_pairs",
-    "dot_bracket",
-    "find_hairpins",
-]
-
 MAX_LOOP: Final = 30
 
 

@@ -88,7 +88,7 @@ class Structure:
     def positions(self, model: int = 0) -> Array:
         """Positions (n_atoms, 3) of all atoms of one model, Å, read-only.
 
-        MDAnalysis keeps single precision: positions have about 1e-5 Å, more than any file tells.
+        MDAnalysis keeps single precision: positions have about 1e-5 Å, more than any file has.
         A model that lacks atoms of the first one has NaN rows there.
 
         Raises
@@ -187,6 +187,19 @@ def _remarks(nucleotides: Nucleotides, frames: Frames) -> Iterator[str]:
 def enumerated(names: Sequence[str], most: int = 8) -> str:
     """Names joined by commas, the surplus over `most` as a number.
 
+    Parameters
+    ----------
+    names : sequence of str
+        What is listed.
+    most : int
+        How many of them by name.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
     >>> enumerated(["a", "b", "c", "d"], most=2)
     'a, b and 2 more'
     """
@@ -224,6 +237,11 @@ def atom_positions(nucleotides: Nucleotides, positions: Array, names: Sequence[s
         All atoms of one model, Å.
     names : sequence of str
         Names among ``ATOM_NAMES``.
+
+    Returns
+    -------
+    (n, len(names), 3) array
+        Å.
     """
     index = nucleotides.columns(names)
     found = np.asarray(positions, dtype=np.float64)[index]
@@ -232,7 +250,14 @@ def atom_positions(nucleotides: Nucleotides, positions: Array, names: Sequence[s
 
 
 def linked(nucleotides: Nucleotides, positions: Array) -> NDArray[np.bool_]:
-    """Tell for each nucleotide but the last whether the chain goes on to the next one.
+    """Whether the chain goes on from each nucleotide but the last to the next one.
+
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Table of n nucleotides.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
 
     Returns
     -------
@@ -252,13 +277,39 @@ def linked(nucleotides: Nucleotides, positions: Array) -> NDArray[np.bool_]:
 
 
 def centroids(nucleotides: Nucleotides, positions: Array) -> Array:
-    """Mean (n, 3) of P O5' C5' C4' C3' O3' of each nucleotide, Å; NaN where one is missing."""
+    """Mean (n, 3) of P O5' C5' C4' C3' O3' of each nucleotide, Å; NaN where one is missing.
+
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Table of n nucleotides.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
+
+    Returns
+    -------
+    (n, 3) array
+    """
     mean: Array = atom_positions(nucleotides, positions, BACKBONE).mean(axis=1)
     return mean
 
 
 def centroids_at(nucleotides: Nucleotides, positions: Array, rows: NDArray[np.int64]) -> Array:
-    """Centroids (len(rows), 3) of some nucleotides, Å; NaN for the row −1 of an absent one."""
+    """Centroids (len(rows), 3) of some nucleotides, Å; NaN for the row −1 of an absent one.
+
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Table of n nucleotides.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
+    rows : (m,) array of int
+        Rows of the table.
+
+    Returns
+    -------
+    (m, 3) array
+    """
     found = centroids(nucleotides, positions)[rows]
     found[np.asarray(rows) < 0] = np.nan
     return found

@@ -112,6 +112,19 @@ def _candidates(
 def dot_bracket(n: int, pairs: NDArray[np.int64]) -> str:
     """Secondary structure of n nucleotides as text; crossing pairs take other brackets.
 
+    Parameters
+    ----------
+    n : int
+        Nucleotides.
+    pairs : (m, 2) array of int
+        Rows i < j.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
     >>> dot_bracket(8, np.array([[0, 7], [1, 6], [3, 5]]))
     '((.(.)))'
     """

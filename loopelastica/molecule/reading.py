@@ -157,10 +157,10 @@ def _bytes(path: Path) -> bytes:
     if not path.exists():
         raise StructureError(f"{path}: there is no such file")
     opener = _OPENERS.get(path.suffix.lower(), open)
-    wanted = -1 if _kind(path) in (*_PDB, *_MMCIF) else 1
+    size = -1 if _kind(path) in (*_PDB, *_MMCIF) else 1
     try:
         with opener(path, "rb") as stream:
-            return bytes(stream.read(wanted))
+            return bytes(stream.read(size))
     except EOFError:
         raise StructureError(f"{path}: the compressed file is cut short") from None
     except PermissionError:
@@ -190,7 +190,7 @@ def _universe(path: Path, source: Any, **kwargs: Any) -> Any:
 
 @dataclass(slots=True)
 class _Model:
-    """The atom records of one model; `closed` tells whether its ENDMDL was seen."""
+    """The atom records of one model; `closed` once its ENDMDL was seen."""
 
     lines: list[str] = field(default_factory=list)
     closed: bool = False

@@ -102,6 +102,19 @@ def strand_atoms(strand: Strand, k: int) -> Array:
 
     Nucleotides count 5' to 3'; k may be negative.
 
+    Parameters
+    ----------
+    strand : Strand
+        Which ideal strand.
+    k : int
+        Number of the nucleotide, 5' to 3'; may be negative.
+
+    Returns
+    -------
+    (6, 3) array
+
+    Examples
+    --------
     >>> o3, next_p = strand_atoms(B_DNA, 0)[5], strand_atoms(B_DNA, 1)[0]
     >>> print(f"{np.linalg.norm(next_p - o3):.2f}")
     1.59

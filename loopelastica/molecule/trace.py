@@ -45,6 +45,11 @@ def to_file_coordinates(
     length_A : float
         Length of the rod.
 
+    Returns
+    -------
+    (..., 3) array
+        Å.
+
     Examples
     --------
     >>> to_file_coordinates(np.array([0.0, 0.0, 0.5]), np.ones(3), np.eye(3), 24.0).tolist()
@@ -62,7 +67,7 @@ def smoothed_line(centroids_A: Array, n_points: int) -> Array:
     centroids_A : (n + 2, 3) array
         Centroids from the 5' closing nucleotide to the 3' closing one, Å.
     n_points : int
-        Points wanted, evenly spaced in phase.
+        Number of points, evenly spaced in phase.
 
     Returns
     -------
@@ -114,13 +119,25 @@ def native_backbone(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array
 def rmsd_A(a: Array, b: Array) -> float:
     """Root mean square distance of two (n, 3) sets of points where they are, not superposed.
 
-    >>> rmsd_A(np.zeros((2, 3)), np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]))
-    3.5355339059327378
+    Parameters
+    ----------
+    a, b : (n, 3) array
+        Å.
+
+    Returns
+    -------
+    float
+        Å.
 
     Raises
     ------
     ValueError
         If the shapes differ or there is no point.
+
+    Examples
+    --------
+    >>> rmsd_A(np.zeros((2, 3)), np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]))
+    3.5355339059327378
     """
     a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
     if a.shape != b.shape or a.size == 0:

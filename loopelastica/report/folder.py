@@ -33,7 +33,19 @@ class Folders:
         self._taken: dict[str, int] = {}
 
     def claim(self, source: Path, fold: LoopFold) -> Path:
-        """The folder of one hairpin: <file>_<chain><first>-<last>, numbered from the second on."""
+        """The folder of one hairpin: <file>_<chain><first>-<last>, numbered from the second on.
+
+        Parameters
+        ----------
+        source : Path
+            The file it is from.
+        fold : LoopFold
+            The loop.
+
+        Returns
+        -------
+        Path
+        """
         stem = source.name.removesuffix(".gz").rsplit(".", 1)[0] or source.name
         name = f"{stem}_{fold.hairpin.name}"
         count = self._taken[name] = self._taken.get(name, self._before) + 1

@@ -10,11 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from loopelastica.molecule.hairpins import (
-    canonical_pairs,
-    dot_bracket,
-    find_hairpins,
-)
+from loopelastica.molecule.hairpins import find_hairpins
+from loopelastica.molecule.pairs import canonical_pairs, dot_bracket
 
 # What differs from the annotator (RNApolis), hairpin by hairpin: closing pair → reason.
 DIFFERENCES = {
