@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
-from loopelastica._arrays import Array
+from loopelastica._arrays import Array, Record
 
 Index = NDArray[np.int64]
 
@@ -98,7 +98,7 @@ class Restraints:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Relaxed:
+class Relaxed(Record):
     """Result: positions (N, 3), status, steps and the final sum of squares by kind of term."""
 
     positions_A: Array

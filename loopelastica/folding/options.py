@@ -7,7 +7,7 @@ defaults, ranges and units stand here and nowhere else.
 """
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, fields
 from functools import update_wrapper
 from typing import Any, Concatenate, ParamSpec, TypeVar
@@ -173,7 +173,7 @@ def keywords(
     return decorator
 
 
-def show_options(function: Any, options: Any, without: Sequence[str] = ()) -> None:
+def show_options(function: Any, options: Any, without: Collection[str] = ()) -> None:
     """Put the fields of an options class into signature and docstring of a function or class.
 
     Parameters
@@ -182,7 +182,7 @@ def show_options(function: Any, options: Any, without: Sequence[str] = ()) -> No
         Its last parameter gives way to the options, and so does ``{options}`` in its docstring.
     options : type
         A class of options.
-    without : sequence of str
+    without : collection of str
         Options that are left out of the signature.
     """
     own = list(inspect.signature(function).parameters.values())[:-1]

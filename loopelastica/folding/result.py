@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from html import escape
 
 from loopelastica._arrays import Array, Record, read_only
 from loopelastica.folding.options import FoldOptions
@@ -71,9 +72,9 @@ class LoopFold(Record):
 
     def _repr_html_(self) -> str:
         """A table of the candidates, for notebooks."""
-        title = f"{self.hairpin.name}, {self.hairpin.sequence}, {self.hairpin.label}"
+        title = escape(f"{self.hairpin.name}, {self.hairpin.sequence}, {self.hairpin.label}")
         if self.failure is not None:
-            return f"<p>{title}: {self.failure}</p>"
+            return f"<p>{title}: {escape(self.failure)}</p>"
         names = ("rank", "E/K0 (1/Å)", "E (kT)", "RMSD (Å)", "touches")
         rows = [
             (

@@ -135,12 +135,8 @@ def scan_loop(
 
     Parameters
     ----------
-    nucleotides : Nucleotides
-        The table the hairpin was found in.
-    hairpin : Hairpin
-        Which loop.
-    positions : (n_atoms, 3) array
-        All atoms of the model, Å.
+    nucleotides, hairpin, positions
+        As for :func:`loopelastica.folding.fold.fold_model`.
     options : ScanOptions
         As for :func:`scan`.
 

@@ -21,8 +21,11 @@ from loopelastica.folding.options import FoldOptions, show_options
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
 
-# every frame is folded, and of its candidates the first one is kept
-_NOT_HERE = ("all_models", "max_candidates")
+_NOT_HERE = {
+    "all_models": "each of its frames is folded",
+    "max_candidates": "the first-ranked shape of each frame is kept",
+    "persistence_length_A": "its energies are E/K0, 1/Å",
+}
 
 
 class LoopElastica(AnalysisBase):  # type: ignore[misc]
@@ -55,8 +58,8 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
     StructureError
         If there is no nucleic acid, or no nucleotide that `pair` or `loop` name.
     ValueError
-        If `atoms` is a path, an option is out of range, or is `all_models` or `max_candidates`;
-        TypeError if there is no option of that name.
+        If `atoms` is a path, an option is out of range, or is one of :func:`fold` that does not
+        apply to a trajectory; TypeError if there is no option of that name.
 
     Examples
     --------
@@ -78,12 +81,9 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
         return ("serial", "multiprocessing", "dask")
 
     def __init__(self, atoms: Any, **options: Any) -> None:
-        for name in _NOT_HERE:
+        for name, reason in _NOT_HERE.items():
             if name in options:
-                raise ValueError(
-                    f"`{name}` does not apply to a trajectory: each of its frames is folded, and"
-                    " the first-ranked shape is kept"
-                )
+                raise ValueError(f"`{name}` does not apply to a trajectory: {reason}")
         if not hasattr(atoms, "universe"):
             raise ValueError(
                 f"`atoms` is neither a Universe nor an AtomGroup but {type(atoms).__name__}"

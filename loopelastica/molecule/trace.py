@@ -99,10 +99,8 @@ def native_backbone(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array
 
     Parameters
     ----------
-    nucleotides : Nucleotides
-        The table the hairpin was found in.
-    hairpin : Hairpin
-        Which loop.
+    nucleotides, hairpin
+        What was read, and which of its loops.
     positions : (n_atoms, 3) array
         All atoms of one model, Å.
 

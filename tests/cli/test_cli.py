@@ -308,7 +308,7 @@ def test_the_package_runs_as_a_module():
     "arguments", [["-c", "import loopelastica"], ["-m", "loopelastica.cli.app", "--help"]]
 )
 def test_import_and_help_load_nothing_heavy(arguments):
-    heavy = {"MDAnalysis", "rdkit", "numba", "matplotlib"}
+    heavy = {"MDAnalysis", "rdkit", "numba", "matplotlib", "numpy", "scipy", "pandas"}
     code = (
         "import runpy, sys, atexit\n"
         f"atexit.register(lambda: print('HEAVY', sorted({heavy!r} & set(sys.modules))))\n"

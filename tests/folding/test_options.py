@@ -92,4 +92,4 @@ def test_the_keywords_are_seen_in_signature_and_docstring():
         assert all(p.kind is p.KEYWORD_ONLY for n, p in parameters.items() if n != "structure")
     names = set(inspect.signature(le.LoopElastica).parameters)
     assert {"atoms", "taper", "pair"} <= names
-    assert not {"all_models", "max_candidates"} & names
+    assert not {"all_models", "max_candidates", "persistence_length_A"} & names

@@ -76,7 +76,11 @@ def test_options_are_those_of_fold(universe):
         le.LoopElastica(universe, taper=3.0)
     with pytest.raises(TypeError, match="tapper"):
         le.LoopElastica(universe, tapper=0.1)
-    for name, value in (("all_models", False), ("max_candidates", 3)):
+    for name, value in (
+        ("all_models", False),
+        ("max_candidates", 3),
+        ("persistence_length_A", 20.0),
+    ):
         with pytest.raises(ValueError, match=f"`{name}` does not apply to a trajectory"):
             le.LoopElastica(universe, **{name: value})
     with pytest.raises(ValueError, match="`atoms` is neither"):

@@ -124,9 +124,9 @@ def test_agreement_with_an_independent_annotator(hairpins_folder):
     differing = {}
     for entry, theirs in expected.items():
         ours = {(h.closing_pair, h.sequence) for h in find_hairpins(files[entry])}
-        wanted = {(tuple(h["closing"]), h["sequence"]) for h in theirs}
-        if ours != wanted:
-            differing[entry] = {closing for closing, _ in ours ^ wanted}
+        expected = {(tuple(h["closing"]), h["sequence"]) for h in theirs}
+        if ours != expected:
+            differing[entry] = {closing for closing, _ in ours ^ expected}
     assert differing == {entry: set(reasons) for entry, reasons in DIFFERENCES.items()}
 
 

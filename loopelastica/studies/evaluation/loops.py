@@ -109,7 +109,7 @@ def _about(source: Path, fold: LoopFold, n_hairpins: int) -> dict[str, Any]:
         "type": motif(sequence),
         # relatives share one: what is fitted on a loop is not judged on its family
         "family": f"{kind} {name if name in ('GNRA', 'UNCG') else sequence}",
-        "closing_pair": "–".join(hairpin.closing_pair),
+        "closing_pair": hairpin.label,
         "closing_type": f"{sequence[0]}-{sequence[-1]}",
         "sequence": hairpin.sequence,
         "nucleotides": len(hairpin),
