@@ -7,6 +7,7 @@ defaults, ranges and units stand here and nowhere else.
 """
 
 import inspect
+import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, fields
 from functools import update_wrapper
@@ -183,16 +184,19 @@ def show_options(function: Any, options: Any, without: Collection[str] = ()) -> 
     options : type
         A class of options.
     without : collection of str
-        Options that are left out of the signature.
+        Options that are left out.
     """
     own = list(inspect.signature(function).parameters.values())[:-1]
     more = [p for p in inspect.signature(options).parameters.values() if p.name not in without]
     returns = inspect.signature(function).return_annotation
     function.__signature__ = inspect.Signature([*own, *more], return_annotation=returns)
     if function.__doc__ is not None:
-        attributes = [
-            inspect.cleandoc(base.__doc__).partition("----------\n")[2]
+        # an entry begins where a line is not indented: names, then " : type"
+        entries = [
+            entry
             for base in reversed(options.__mro__[:-1])
+            for entry in re.split(r"\n(?=\S)", inspect.cleandoc(base.__doc__))
+            if " : " in entry and not {*entry.split(" : ")[0].split(", ")} <= {*without}
         ]
-        text = "\n".join(attributes).replace("\n", "\n    ")
+        text = "\n".join(entries).replace("\n", "\n    ")
         function.__doc__ = function.__doc__.replace("{options}", text)

@@ -92,4 +92,7 @@ def test_the_keywords_are_seen_in_signature_and_docstring():
         assert all(p.kind is p.KEYWORD_ONLY for n, p in parameters.items() if n != "structure")
     names = set(inspect.signature(le.LoopElastica).parameters)
     assert {"atoms", "taper", "pair"} <= names
-    assert not {"all_models", "max_candidates", "persistence_length_A"} & names
+    for name in ("all_models", "max_candidates", "persistence_length_A"):
+        assert name not in names
+        assert f"    {name} : " in le.fold.__doc__
+        assert f"    {name} : " not in le.LoopElastica.__doc__
