@@ -19,6 +19,7 @@ class CompiledKernels(BuildHookInterface):
     """Runs ``loopelastica.rod.warm`` on the sources and adds what it leaves behind."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Compile before the wheel is put together."""
         if self.target_name != "wheel" or os.environ.get("LOOPELASTICA_PURE_WHEEL"):
             return
         root = Path(self.root)
@@ -52,4 +53,5 @@ class CompiledKernels(BuildHookInterface):
         build_data["infer_tag"] = True
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
+        """Remove what was compiled for the wheel."""
         shutil.rmtree(getattr(self, "_scratch", ""), ignore_errors=True)

@@ -24,7 +24,7 @@ _PUBLIC = {
     "Hairpin": "molecule.hairpins",
     "Hairpins": "molecule.hairpins",
     "fold": "folding.fold",
-    "LoopFold": "folding.fold",
+    "LoopFold": "folding.result",
     "scan": "folding.scan",
     "LoopScan": "folding.scan",
     "LoopElastica": "folding.trajectory",
@@ -45,9 +45,9 @@ if TYPE_CHECKING:
     from loopelastica.errors import LoopelasticaError as LoopelasticaError
     from loopelastica.errors import MissingDependencyError as MissingDependencyError
     from loopelastica.errors import StructureError as StructureError
-    from loopelastica.folding.fold import LoopFold as LoopFold
     from loopelastica.folding.fold import fold as fold
     from loopelastica.folding.rank import Candidate as Candidate
+    from loopelastica.folding.result import LoopFold as LoopFold
     from loopelastica.folding.scan import LoopScan as LoopScan
     from loopelastica.folding.scan import scan as scan
     from loopelastica.folding.trajectory import LoopElastica as LoopElastica

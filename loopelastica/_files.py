@@ -13,7 +13,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TextIO
 
 
 def data_path(name: str) -> Path:
@@ -74,7 +74,16 @@ def write_json(path: Path, content: Any) -> None:
 def write_csv(
     path: Path, rows: Iterable[Mapping[str, object]], columns: Sequence[str] | None = None
 ) -> int:
-    """Write rows under ``columns``, or the keys of the first row; None is an empty cell.
+    """Write a table, whole or not at all; None is an empty cell.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    rows : iterable of mapping
+        Taken one by one.
+    columns : sequence of str, optional
+        What is written of each row; default the keys of the first one.
 
     Returns
     -------
@@ -83,17 +92,21 @@ def write_csv(
     """
     count = 0
     with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-        writer = None
-        if columns is not None:
-            writer = csv.DictWriter(file, columns, lineterminator="\n")
-            writer.writeheader()
+        writer = None if columns is None else _writer(file, columns, "ignore")
         for row in rows:
             if writer is None:
-                writer = csv.DictWriter(file, list(row), lineterminator="\n")
-                writer.writeheader()
+                writer = _writer(file, list(row), "raise")
             writer.writerow(row)
             count += 1
     return count
+
+
+def _writer(
+    file: TextIO, columns: Sequence[str], extra: Literal["ignore", "raise"]
+) -> "csv.DictWriter[str]":
+    writer = csv.DictWriter(file, columns, extrasaction=extra, lineterminator="\n")
+    writer.writeheader()
+    return writer
 
 
 def sha256(path: Path) -> str:

@@ -3,6 +3,6 @@
 The steps are those of biopolymer chain elasticity (Pakleza & Cognet, Nucleic Acids Res. 31 (2003)
 1075): the ideal strand is carried onto the line (:mod:`.carry`), its nucleosides are turned about
 it (:mod:`.turn`), and the chemistry (:mod:`.chemistry`, :mod:`.ideal`) is restored by least squares
-(:mod:`.relax`) with the stem fixed. :func:`.model.build_atoms` is the road, :mod:`.checks` tells
-what came out, :mod:`.write` puts it into files. rdkit is imported when the first molecule is built.
+(:mod:`.relax`) with the stem fixed. :func:`.model.build_atoms` takes these steps, and
+:mod:`.checks` measures the result. rdkit is imported when the first molecule is built.
 """

@@ -68,16 +68,30 @@ class Line:
 
     @classmethod
     def between(cls, rod: Equilibrium, ends: StemEnds, strand: Strand) -> Line:
-        """The line of a rod clamped between two stem ends."""
+        """The line of a rod.
+
+        Parameters
+        ----------
+        rod : Equilibrium
+            Dimensionless.
+        ends : StemEnds
+            Where it is clamped, Å.
+        strand : Strand
+            What is carried.
+
+        Returns
+        -------
+        Line
+        """
         clamp, n = ends.clamp, ends.n_free
-        start = np.asarray(ends.start_frame)
-        end_frame = start.T @ np.asarray(ends.end_frame)
-        end_origin = start.T @ (np.asarray(ends.end_origin_A) - ends.start_origin_A)
+        start = ends.start_frame
+        end_frame = start.T @ ends.end_frame
+        end_origin = start.T @ (ends.end_origin_A - ends.start_origin_A)
         # the rod's last frame and the clamp's differ by a turn about the common tangent
         turn = rod.frames(np.array([1.0]))[0].T @ end_frame
         mismatch = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
-        wanted = n * helix_twist(strand) - math.tau * rod.twist
-        whole = round((wanted - mismatch) / math.tau)
+        helical = n * helix_twist(strand) - math.tau * rod.twist
+        whole = round((helical - mismatch) / math.tau)
         return cls(
             rod, strand, ends.length_A, clamp.stem_extend_5, n, clamp.stem_extend_3, clamp.taper,
             end_origin, end_frame, mismatch + whole * math.tau,

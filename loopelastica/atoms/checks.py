@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.chemistry import LoopMolecule
 from loopelastica.atoms.geometry import IdealGeometry, chiral_quads, separations
+from loopelastica.atoms.measures import (
+    angles_deg,
+    bond_lengths,
+    chi_torsion,
+    pseudorotation,
+    pucker_name,
+    torsion_deg,
+)
 from loopelastica.molecule.nucleotides import BACKBONE
 
 BOND_TOLERANCE_A: Final = 0.05
@@ -110,7 +116,11 @@ def check(
     around : (m, 3) array
         Heavy atoms near the loop that are no part of the molecule.
     line : (n, 3) array
-        Points of the line at the nucleotides.
+        Points of the line at the nucleotides, Å.
+
+    Returns
+    -------
+    Checks
     """
     n = len(molecule.residues)
     bond = bond_lengths(positions, geometry.bonds) - geometry.length_A
@@ -128,7 +138,7 @@ def check(
     rows = {key: i for i, key in enumerate(zip(molecule.residue, molecule.names, strict=True))}
     sugars = puckers(molecule, positions)
     chi = [
-        torsion_deg(*(positions[rows[k, a]] for a in _chi(molecule.residues[k].letter)))
+        torsion_deg(*(positions[rows[k, a]] for a in chi_torsion(molecule.residues[k].letter)))
         for k in range(n)
     ]
     closest, clashes = _contacts(molecule, positions, around)
@@ -159,72 +169,25 @@ def check(
     )
 
 
-def bond_lengths(positions: Array, bonds: NDArray[np.int64]) -> Array:
-    """Lengths (b,) of bonds (b, 2), Å."""
-    between = positions[bonds[:, 0]] - positions[bonds[:, 1]]
-    return np.asarray(np.linalg.norm(between, axis=1))
-
-
-def angles_deg(positions: Array, angles: NDArray[np.int64]) -> Array:
-    """Angles (a,) of triples (a, 3), degrees."""
-    u = positions[angles[:, 0]] - positions[angles[:, 1]]
-    v = positions[angles[:, 2]] - positions[angles[:, 1]]
-    across = np.linalg.norm(np.cross(u, v), axis=1)
-    return np.asarray(np.rad2deg(np.arctan2(across, (u * v).sum(axis=1))))
-
-
-def torsion_deg(a: Array, b: Array, c: Array, d: Array) -> float:
-    """Torsion about b–c by the IUPAC sign, degrees in (−180, 180].
-
-    >>> torsion_deg(*np.array([[1.0, 0, 0], [0, 0, 0], [0, 0, 1], [0, 1, 1]]))
-    90.0
-    """
-    axis = (c - b) / np.linalg.norm(c - b)
-    u, v = a - b, d - c
-    u, v = u - axis * (u @ axis), v - axis * (v @ axis)
-    return math.degrees(math.atan2(float(np.cross(u, v) @ axis), float(u @ v)))
-
-
 def puckers(molecule: LoopMolecule, positions: Array) -> list[tuple[float, float]]:
-    """Phase and amplitude of each sugar of the loop; see :func:`pseudorotation`."""
+    """Phase and amplitude of each sugar of the loop; see :func:`pseudorotation`.
+
+    Parameters
+    ----------
+    molecule : LoopMolecule
+    positions : (N, 3) array
+        Its atoms, Å.
+
+    Returns
+    -------
+    list of (float, float)
+        Degrees.
+    """
     ring = ("C1'", "C2'", "C3'", "C4'", "O4'")
     return [
         pseudorotation(*(positions[molecule.index(k, name)] for name in ring))
         for k in range(len(molecule.residues))
     ]
-
-
-def pseudorotation(c1: Array, c2: Array, c3: Array, c4: Array, o4: Array) -> tuple[float, float]:
-    """Phase in [0, 360) and amplitude of a sugar ring, degrees.
-
-    Altona & Sundaralingam, J. Am. Chem. Soc. 94 (1972) 8205, doi:10.1021/ja00778a043.
-    """
-    nu_2 = torsion_deg(c1, c2, c3, c4)
-    nu_3 = torsion_deg(c2, c3, c4, o4)
-    nu_4 = torsion_deg(c3, c4, o4, c1)
-    nu_0 = torsion_deg(c4, o4, c1, c2)
-    nu_1 = torsion_deg(o4, c1, c2, c3)
-    sine = (nu_4 + nu_1) - (nu_3 + nu_0)
-    cosine = 2.0 * nu_2 * (math.sin(math.radians(36.0)) + math.sin(math.radians(72.0)))
-    phase = math.degrees(math.atan2(sine, cosine)) % 360.0
-    return phase, math.hypot(sine, cosine) / (
-        2.0 * (math.sin(math.radians(36.0)) + math.sin(math.radians(72.0)))
-    )
-
-
-def pucker_name(phase: float) -> str:
-    """Name of the envelope nearest to a phase.
-
-    >>> pucker_name(18.0), pucker_name(162.0), pucker_name(359.0)
-    ("C3'-endo", "C2'-endo", "C2'-exo")
-    """
-    names = ("C3'-endo", "C4'-exo", "O4'-endo", "C1'-exo", "C2'-endo", "C3'-exo", "C4'-endo",
-             "O4'-exo", "C1'-endo", "C2'-exo")  # fmt: skip
-    return names[int(phase % 360.0 // 36.0)]
-
-
-def _chi(letter: str) -> tuple[str, str, str, str]:
-    return ("O4'", "C1'", "N9", "C4") if letter in "AG" else ("O4'", "C1'", "N1", "C2")
 
 
 def _wrong_hands(molecule: LoopMolecule, positions: Array) -> tuple[str, ...]:

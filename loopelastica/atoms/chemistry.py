@@ -1,7 +1,7 @@
 """The molecule of a loop, built by rdkit from its sequence: atoms, bonds, charges, stereo.
 
 Each nucleotide comes from rdkit's own sequence reader, with the names of the wwPDB; what the reader
-does not know (thymine on ribose, uracil on deoxyribose, methylated bases) is edited in. Phosphates
+lacks (thymine on ribose, uracil on deoxyribose, methylated bases) is edited in. Phosphates
 carry their charge. Two atoms of the stem belong to the molecule, for the junctions are real bonds:
 O3' of the 5' closing nucleotide and P of the 3' closing one, with their neighbours.
 """
@@ -86,7 +86,19 @@ class LoopMolecule:
     residues: tuple[Residue, ...]
 
     def index(self, residue: int, name: str) -> int:
-        """Row of an atom; ValueError if it is not there."""
+        """Row of an atom; ValueError if it is not there.
+
+        Parameters
+        ----------
+        residue : int
+            As in `residue`.
+        name : str
+            Of the wwPDB.
+
+        Returns
+        -------
+        int
+        """
         for row, (other, own) in enumerate(zip(self.residue, self.names, strict=True)):
             if other == residue and own == name:
                 return row

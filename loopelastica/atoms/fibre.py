@@ -6,8 +6,8 @@ the same cylindrical coordinates: radius (Å), angle (°), height (Å) of nucleo
 B-DNA: Arnott & Hukins, Biochem. Biophys. Res. Commun. 47 (1972) 1504, read in the table of
 ``dnapositions.py`` of the public project fractaldna, whose O5' is the ring oxygen O4' of today.
 A-RNA: from the same secondary source as the backbone (it names no origin), a table of the same
-form. Which of the two free oxygens is OP1 is not told by the tables but by the chirality that the
-wwPDB names mean. What a table lacks (thymine on ribose, uracil on deoxyribose) comes from the base
+form. Which of the two free oxygens is OP1 is not in the tables; the chirality that the wwPDB names
+mean decides it. What a table lacks (thymine on ribose, uracil on deoxyribose) comes from the base
 of the other table laid on the common ring, modified bases from rdkit (:mod:`.chemistry`).
 """
 
@@ -191,7 +191,19 @@ def fibre_nucleotide(letter: str, is_dna: bool) -> dict[str, Array]:
 
 
 def in_line_frame(strand: Strand, position: Array) -> Array:
-    """Components (…, 3) along d1 d2 d3 of the strand's line at phase 0, Å; see `line_frame`."""
+    """Components (…, 3) along d1 d2 d3 of the strand's line at phase 0, Å; see `line_frame`.
+
+    Parameters
+    ----------
+    strand : Strand
+        Which ideal strand.
+    position : (…, 3) array
+        In the coordinates of its table, Å.
+
+    Returns
+    -------
+    (…, 3) array
+    """
     point, frame = line_frame(strand, 0.0)
     local: Array = (np.asarray(position) - point) @ frame
     return local

@@ -146,6 +146,20 @@ def ring_quads(
 
     Torsions of the ring are 38° cos(P + 144° j), 38° being the amplitude that is usual in
     nucleotides: Altona & Sundaralingam, J. Am. Chem. Soc. 94 (1972) 8205, doi:10.1021/ja00778a043.
+
+    Parameters
+    ----------
+    molecule : LoopMolecule
+    geometry : IdealGeometry
+        Its lengths and angles.
+    phases_deg : (n,) array
+        Phase of pseudorotation of each sugar.
+
+    Returns
+    -------
+    quads : (5 n, 4) array of int
+    volume : (5 n,) array
+        Å³.
     """
     rows = _rows(molecule)
     length = {
@@ -193,7 +207,18 @@ def separations(molecule: LoopMolecule) -> Array:
 
 
 def nearest_A(polar: NDArray[np.bool_], other_polar: NDArray[np.bool_]) -> Array:
-    """Least distance (n, m) of unbonded atoms; both arguments tell nitrogen and oxygen."""
+    """Least distance of unbonded atoms.
+
+    Parameters
+    ----------
+    polar, other_polar : (n,), (m,) array of bool
+        True for nitrogen and oxygen.
+
+    Returns
+    -------
+    (n, m) array
+        Å.
+    """
     return np.where(polar[:, None] & other_polar[None], NEAREST_POLAR_A, NEAREST_A)
 
 
@@ -226,7 +251,7 @@ def _tabulated(molecule: LoopMolecule, *rows: int) -> float | None:
 
 
 class _Mmff:
-    """Equilibrium values of MMFF94, typed when the first one is asked for."""
+    """Equilibrium values of MMFF94, typed when the first one is needed."""
 
     def __init__(self, mol: Any) -> None:
         self._mol = mol

@@ -125,6 +125,19 @@ def ideal_value(letter: str, is_dna: bool, *names: str) -> float | None:
 
     The atoms of the phosphate belong to the nucleotide whether O3' is the one before or its own.
 
+    Parameters
+    ----------
+    letter, is_dna
+        Parent base and sugar.
+    *names : str
+        Two or three atoms.
+
+    Returns
+    -------
+    float or None
+
+    Examples
+    --------
     >>> ideal_value("G", False, "O3'", "P"), ideal_value("G", False, "C8", "N9", "C1'")
     (1.607, 127.8)
     """

@@ -1,4 +1,4 @@
-"""The minimum next to a start: everything that is asked of the atoms, and two minimizations."""
+"""The minimum next to a start: all restraints on the atoms, and two minimizations."""
 
 from __future__ import annotations
 
@@ -40,8 +40,25 @@ def minimum(
 ) -> Relaxed:
     """The minimum next to `start`, its sugars in one of the two usual puckers.
 
-    A first minimization, free of any pucker, tells which of the two is nearer for each sugar, and
+    A first minimization, free of any pucker, shows which of the two is nearer for each sugar, and
     which phosphates have turned over: their free oxygens are put anew.
+
+    Parameters
+    ----------
+    site : Site
+        The loop's molecule and what is around.
+    centers : (n, 3) array
+        Points of the line that the backbone centroids are held to, Å.
+    line_sd : float
+        How near they are held, Å.
+    start : (N, 3) array
+        Positions to begin at, Å.
+    max_steps, max_seconds : int, float
+        Limits of each minimization.
+
+    Returns
+    -------
+    Relaxed
     """
     order = np.array(site.molecule.loop_atoms + sorted(site.fixed))
     whole = np.concatenate([start[order], site.around])
@@ -51,10 +68,10 @@ def minimum(
     place[order] = relaxed.positions_A[: len(order)]
     phases = np.array([phase for phase, _ in puckers(site.molecule, place)])
     away = np.abs((phases[:, None] - np.array(PUCKERS_DEG) + 180.0) % 360.0 - 180.0)
-    wanted = np.array(PUCKERS_DEG)[away.argmin(axis=1)]
+    pucker_deg = np.array(PUCKERS_DEG)[away.argmin(axis=1)]
     _right_phosphates(site.molecule, place)
     whole = np.concatenate([place[order], site.around])
-    restraints = _restraints(site, order, centers, line_sd, start, wanted)
+    restraints = _restraints(site, order, centers, line_sd, start, pucker_deg)
     relaxed = relax(restraints, whole, max_steps=max_steps, max_seconds=max_seconds)
     place[order] = relaxed.positions_A[: len(order)]
     return Relaxed(place, relaxed.status, relaxed.steps, relaxed.cost)
@@ -114,7 +131,7 @@ def _restraints(
     start: Array,
     phases_deg: Array | None = None,
 ) -> Restraints:
-    """Everything that is asked of the atoms; `order` puts those that move first."""
+    """All restraints on the atoms; `order` puts those that move first."""
     molecule, geometry = site.molecule, site.geometry
     n, moving = len(molecule.residues), molecule.loop_atoms
     new = np.empty(len(order), dtype=np.int64)
@@ -122,10 +139,7 @@ def _restraints(
     pairs, outer, outer_sd = outer_distances(geometry)
     chiral, volume = chiral_quads(molecule)
     planar = planar_quads(molecule)
-    quads = [
-        (chiral, volume, VOLUME_SD_A3),
-        (planar, np.zeros(len(planar)), PLANAR_SD_A3),
-    ]
+    quads = [(chiral, volume, VOLUME_SD_A3), (planar, np.zeros(len(planar)), PLANAR_SD_A3)]
     if phases_deg is not None:
         quads.append((*ring_quads(molecule, geometry, phases_deg), PUCKER_SD_A3))
     near, near_A = _near(site, order, len(moving))

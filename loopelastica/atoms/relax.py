@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
-from loopelastica._arrays import Array
+from loopelastica._arrays import Array, Record
 
 Index = NDArray[np.int64]
 
@@ -98,7 +98,7 @@ class Restraints:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Relaxed:
+class Relaxed(Record):
     """Result: positions (N, 3), status, steps and the final sum of squares by kind of term."""
 
     positions_A: Array
@@ -132,6 +132,10 @@ def relax(
         Wall time after which it stops; the result then depends on the machine.
     tolerance_A : float
         Converged when no atom moves further in a step.
+
+    Returns
+    -------
+    Relaxed
     """
     x = np.array(start_A, dtype=np.float64)
     limit = time.monotonic() + max_seconds

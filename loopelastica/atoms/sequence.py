@@ -9,9 +9,12 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.fibre import fibre_nucleotide
-from loopelastica.folding.fold import LoopFold, checked_parameters, fold_positions
-from loopelastica.molecule.hairpins import MAX_LOOP, MIN_LOOP, Hairpin
+from loopelastica.folding.fold import fold_model
+from loopelastica.folding.options import FoldOptions
+from loopelastica.folding.result import LoopFold
+from loopelastica.molecule.hairpins import MAX_LOOP, Hairpin
 from loopelastica.molecule.nucleotides import Structure, read_structure
+from loopelastica.molecule.pairs import MIN_LOOP
 from loopelastica.molecule.reading import quiet
 from loopelastica.molecule.strands import ideal_strand
 
@@ -20,6 +23,17 @@ _PAIRS: Final = frozenset(("AU", "UA", "AT", "TA", "GC", "CG", "GU", "UG", "GT",
 
 def read_sequence(text: str, is_dna: bool) -> tuple[str, str, str]:
     """The 5' strand, the loop and the 3' strand of "GGCAC(UUCG)GUGCC".
+
+    Parameters
+    ----------
+    text : str
+        Such as "GGCAC(UUCG)GUGCC".
+    is_dna : bool
+        A, C, G, T, else A, C, G, U.
+
+    Returns
+    -------
+    strand_5, loop, strand_3 : str
 
     Raises
     ------
@@ -126,19 +140,25 @@ def ideal_hairpin(text: str, is_dna: bool) -> tuple[Structure, Hairpin, Array]:
 def fold_sequence(
     text: str, is_dna: bool, *, max_candidates: int = 10
 ) -> tuple[Structure, LoopFold, Array]:
-    """Ideal stem of a sequence with its loop folded; see :func:`ideal_hairpin`.
+    """Ideal stem of a sequence with its loop folded.
+
+    Parameters
+    ----------
+    text, is_dna
+        As for :func:`ideal_hairpin`.
+    max_candidates : int
+        Most candidates kept.
 
     Returns
     -------
     structure : Structure
     fold : LoopFold
     positions : (n_atoms, 3) array
-        What :func:`loopelastica.atoms.model.build_atoms` wants with them.
+        For :func:`loopelastica.atoms.model.build_atoms`, Å; NaN for the loop.
     """
     structure, hairpin, positions = ideal_hairpin(text, is_dna)
-    parameters = checked_parameters(max_candidates=max_candidates, all_models=False)
-    fold = fold_positions(structure.nucleotides, hairpin, positions, **parameters)
-    return structure, fold, positions
+    options = FoldOptions(max_candidates=max_candidates, all_models=False)
+    return structure, fold_model(structure.nucleotides, hairpin, positions, options), positions
 
 
 def _screwed(at: Array, step: int, is_dna: bool) -> Array:
@@ -156,10 +176,7 @@ def _universe(
 
     with quiet():
         universe = mda.Universe.empty(
-            len(names),
-            n_residues=len(sequence),
-            atom_resindex=resindex,
-            trajectory=True,
+            len(names), n_residues=len(sequence), atom_resindex=resindex, trajectory=True
         )
         for attribute, values in {
             "name": names,

@@ -17,9 +17,9 @@ from loopelastica.atoms.chemistry import (
     loop_molecule,
 )
 from loopelastica.atoms.geometry import IdealGeometry, ideal_geometry
-from loopelastica.atoms.turn import Stem
+from loopelastica.atoms.turn import Surroundings
 from loopelastica.errors import StructureError
-from loopelastica.folding.fold import LoopFold
+from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import BACKBONE, RING, Structure, atom_positions
 
 GRID_A: Final = 6
@@ -38,7 +38,7 @@ class Site:
     file_rows: dict[int, Array]  # the same in the file's coordinates
     around: Array  # heavy atoms near the loop that are no part of the molecule
     around_polar: NDArray[np.bool_]
-    stem: Stem
+    stem: Surroundings
     origin: Array
     frame: Array
     native: Array  # six backbone atoms of the file's own loop, its coordinates; NaN where missing
@@ -46,6 +46,17 @@ class Site:
 
 def loop_residues(structure: Structure, fold: LoopFold) -> list[Residue]:
     """The nucleotides to be built.
+
+    Parameters
+    ----------
+    structure : Structure
+        What was folded.
+    fold : LoopFold
+        One of its loops.
+
+    Returns
+    -------
+    list of Residue
 
     Raises
     ------
@@ -70,7 +81,20 @@ def loop_residues(structure: Structure, fold: LoopFold) -> list[Residue]:
 
 
 def site_of(structure: Structure, fold: LoopFold, positions: Array) -> Site:
-    """The site of a folded loop, from the positions (n_atoms, 3) of all atoms, Å.
+    """The site of a folded loop.
+
+    Parameters
+    ----------
+    structure : Structure
+        What was folded.
+    fold : LoopFold
+        One of its loops.
+    positions : (n_atoms, 3) array
+        Of all atoms, Å.
+
+    Returns
+    -------
+    Site
 
     Raises
     ------
@@ -80,7 +104,7 @@ def site_of(structure: Structure, fold: LoopFold, positions: Array) -> Site:
     assert fold.ends is not None
     table, hairpin = structure.nucleotides, fold.hairpin
     molecule = loop_molecule(loop_residues(structure, fold))
-    origin, frame = np.asarray(fold.ends.start_origin_A), np.asarray(fold.ends.start_frame)
+    origin, frame = fold.ends.start_origin_A, fold.ends.start_frame
     n = len(hairpin.loop)
     in_file: dict[int, Array] = {}
     used: list[int] = []
@@ -101,7 +125,7 @@ def site_of(structure: Structure, fold: LoopFold, positions: Array) -> Site:
     fixed = {row: np.round((at - origin) @ frame, GRID_A) for row, at in in_file.items()}
     around, polar = _around(structure, fold, local, used)
     rings = atom_positions(table, local, RING)[[hairpin.stem_5[0], hairpin.stem_3[0]]]
-    stem = Stem(
+    stem = Surroundings(
         around,
         rings[np.isfinite(rings).all(axis=(1, 2))],
         fixed[molecule.index(-1, "O3'")],

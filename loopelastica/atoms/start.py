@@ -19,7 +19,22 @@ _PUSH_A: Final = 3.5
 
 
 def start_on(site: Site, line: Line, turns: Turns) -> Array:
-    """Positions (N, 3) on the line, Ω and χ as in `turns`."""
+    """Positions (N, 3) on the line, Ω and χ as in `turns`.
+
+    Parameters
+    ----------
+    site : Site
+        Where the loop is built.
+    line : Line
+        What the nucleotides are laid on.
+    turns : Turns
+        Ω and χ.
+
+    Returns
+    -------
+    (N, 3) array
+        Å.
+    """
     molecule = site.molecule
     at: dict[tuple[int, str], Array] = {}
     for k, residue in enumerate(molecule.residues):
@@ -44,6 +59,17 @@ def moved_out(site: Site, start: Array) -> Array:
     """Shifts (n, 3) that take whole nucleotides out of the stem and of each other, Å.
 
     No atom can pass through a ring once the chemistry is restored; a rigid nucleotide can before.
+
+    Parameters
+    ----------
+    site : Site
+        Where the loop is built.
+    start : (N, 3) array
+        Positions, Å.
+
+    Returns
+    -------
+    (n, 3) array
     """
     n = len(site.molecule.residues)
     owner = np.array(site.molecule.residue)
@@ -66,7 +92,22 @@ def moved_out(site: Site, start: Array) -> Array:
 
 
 def shifted(site: Site, start: Array, shift: Array) -> Array:
-    """Positions with every loop nucleotide moved as a whole."""
+    """Positions with every loop nucleotide moved as a whole.
+
+    Parameters
+    ----------
+    site : Site
+        Where the loop is built.
+    start : (N, 3) array
+        Positions, Å.
+    shift : (n, 3) array
+        Of each loop nucleotide, Å.
+
+    Returns
+    -------
+    (N, 3) array
+        Å.
+    """
     out = start.copy()
     rows = site.molecule.loop_atoms
     out[rows] += shift[np.array(site.molecule.residue)[rows]]

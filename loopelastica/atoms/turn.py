@@ -9,7 +9,7 @@ to either side, and syn. The score of a combination is a sum over nucleotides an
     stacking     −2 for two bases that lie flat upon each other 3.4 Å apart, falling off smoothly;
                  neighbours in the chain, the closing pair and bases across the loop alike
     syn          +1, for pyrimidines +2
-    contact      −4 for a pair of the first and last loop nucleotide that is asked for by name
+    contact      −4 for a pair of the first and last loop nucleotide that is requested by name
 
 in units of about kT. The weights are stated choices, not fits: they put chemistry (no clash, no
 broken chain) before preference. A beam over the chain keeps the best combinations; ties and order
@@ -25,11 +25,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
+from scipy.spatial.transform import Rotation
 
-from loopelastica._arrays import Array
+from loopelastica._arrays import Array, Record
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.fibre import fibre_nucleotide, in_line_frame
+from loopelastica.atoms.measures import chi_torsion, torsion_deg
 from loopelastica.molecule.nucleotides import RING
+from loopelastica.molecule.strands import ideal_strand
 
 OMEGA_STEPS: Final = 24
 CHI_CHANGES_DEG: Final = (0.0, -30.0, 30.0)
@@ -47,14 +50,14 @@ CONTACTS: Final[dict[str, dict[str, tuple[tuple[str, str], ...]]]] = {
     },
 }
 _PHOSPHATE: Final = ("P", "OP1", "OP2")
-_CLASH_A, _JUNCTION_A, _SLACK_A = 3.2, 2.5, 1.0
+_CLASH_A, _JUNCTION_A, _JUNCTION_FREE_A = 3.2, 2.5, 1.0
 _STACK_A, _STACK = 3.4, 2.0
 _HBOND_A, _CONTACT = 2.9, 4.0
 _BEAM = 400
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stem:
+class Surroundings(Record):
     """What the loop must not run into, in the frame of the line's start.
 
     Attributes
@@ -82,20 +85,11 @@ class Turns:
     score: float
 
 
-def chi_torsion(letter: str) -> tuple[str, str, str, str]:
-    """The four atoms of χ.
-
-    >>> chi_torsion("U")
-    ("O4'", "C1'", 'N1', 'C2')
-    """
-    return ("O4'", "C1'", "N9", "C4") if letter in "AG" else ("O4'", "C1'", "N1", "C2")
-
-
 def turned(
     letters: Sequence[str],
     is_dna: Sequence[bool],
     line: Line,
-    stem: Stem,
+    stem: Surroundings,
     *,
     contact: str | None = None,
     keep: int = 3,
@@ -107,11 +101,17 @@ def turned(
     letters, is_dna : sequence
         Parent base and sugar of each loop nucleotide.
     line : Line
-    stem : Stem
+        What they are turned about.
+    stem : Surroundings
+        What is in the way.
     contact : {"sheared", "watson-crick"}, optional
         Reward this contact between the first and the last nucleotide.
     keep : int
-        Combinations wanted; they differ by at least 45° or by syn and anti somewhere.
+        Most combinations; they differ by at least 45° or by syn and anti somewhere.
+
+    Returns
+    -------
+    list of Turns
 
     Raises
     ------
@@ -146,7 +146,24 @@ def turned(
 def place(
     letter: str, is_dna: bool, line: Line, k: int, omega: float, chi: float
 ) -> dict[str, Array]:
-    """Atoms of loop nucleotide k without its phosphate, Ω and change of χ in degrees."""
+    """Atoms of one loop nucleotide without its phosphate.
+
+    Parameters
+    ----------
+    letter, is_dna
+        Parent base and sugar.
+    line : Line
+        Where it lies.
+    k : int
+        Its number in the loop, from 1.
+    omega, chi : float
+        Ω and change of χ, degrees.
+
+    Returns
+    -------
+    dict of str to (3,) array
+        Å.
+    """
     names, local = _local(letter, is_dna, np.array([chi]))
     point, frame = line.at([float(k)])
     at = _about_line(local[0][None], np.array([omega])) @ frame[0].T + point[0]
@@ -175,8 +192,6 @@ def _all_turns() -> tuple[Array, Array]:
 
 
 def _chi_changes(letter: str, is_dna: bool) -> Array:
-    from loopelastica.atoms.checks import torsion_deg
-
     atoms = fibre_nucleotide(letter, is_dna)
     fibre = torsion_deg(*(atoms[name] for name in chi_torsion(letter)))
     return np.array([*CHI_CHANGES_DEG, SYN_CHI_DEG - fibre])
@@ -191,10 +206,6 @@ def _states(letter: str, is_dna: bool, line: Line, k: int) -> _State:
 
 def _local(letter: str, is_dna: bool, chi_deg: Array) -> tuple[tuple[str, ...], Array]:
     """Names and places (c, a, 3) in the line's frame for each change of χ, phosphate left out."""
-    from scipy.spatial.transform import Rotation
-
-    from loopelastica.molecule.strands import ideal_strand
-
     atoms = {k: v for k, v in fibre_nucleotide(letter, is_dna).items() if k not in _PHOSPHATE}
     names = tuple(atoms)
     local = in_line_frame(ideal_strand(is_dna), np.array(list(atoms.values())))
@@ -245,10 +256,10 @@ def _stacking(a: tuple[Array, Array], b: tuple[Array, Array]) -> Array:
 
 
 def _junction(distance: Array, ideal: float) -> Array:
-    return 2.0 * np.maximum(np.abs(distance - ideal) - _SLACK_A, 0.0) ** 2
+    return 2.0 * np.maximum(np.abs(distance - ideal) - _JUNCTION_FREE_A, 0.0) ** 2
 
 
-def _unary(state: _State, letter: str, stem: Stem, k: int, n: int) -> Array:
+def _unary(state: _State, letter: str, stem: Surroundings, k: int, n: int) -> Array:
     _, chi = _all_turns()
     score = np.where(chi == len(CHI_CHANGES_DEG), 1.0 if letter in "AG" else 2.0, 0.0)
     score = score + _clash(state.atoms, stem.atoms_A[None])[:, 0]

@@ -6,9 +6,11 @@ from typing import Any
 
 from loopelastica.batch.journal import Record
 from loopelastica.batch.run import Task, Work
-from loopelastica.folding.fold import LoopFold, fold
+from loopelastica.folding.fold import fold
+from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import read_structure
-from loopelastica.report.folder import Folders, row, write_fold
+from loopelastica.report.folder import Folders, write_fold
+from loopelastica.report.records import candidate_row
 
 _LOOP = ("file", "loop", "kind", "closing_pair", "sequence", "nucleotides")
 _CLAMP = ("stem_extend_5", "stem_extend_3", "taper", "length_per_nucleotide_A")
@@ -49,20 +51,33 @@ def fold_file(task: Task) -> Record:
 
 
 def loop_rows(source: Path, loop: LoopFold) -> list[dict[str, Any]]:
-    """Rows of one loop: what it is, its clamp, and each candidate."""
+    """Rows of one loop: what it is, its clamp, and each candidate.
+
+    Parameters
+    ----------
+    source : Path
+        The file it is from.
+    loop : LoopFold
+        With at least one candidate.
+
+    Returns
+    -------
+    list of dict
+        In the columns `COLUMNS`, without ``folder``.
+    """
     assert loop.ends is not None
     hairpin = loop.hairpin
     about = {
         "file": source.name,
         "loop": hairpin.name,
-        "kind": "DNA" if hairpin.is_dna else "RNA",
-        "closing_pair": "–".join(hairpin.closing_pair),
+        "kind": hairpin.kind,
+        "closing_pair": hairpin.label,
         "sequence": hairpin.sequence,
         "nucleotides": len(hairpin),
         **loop.ends.clamp.to_dict(),
         "stem_rms_A": loop.ends.rms_A,
     }
-    return [{**about, **row(candidate)} for candidate in loop.candidates]
+    return [{**about, **candidate_row(candidate)} for candidate in loop.candidates]
 
 
 def _folders_are_there(task: Task, record: Record) -> bool:

@@ -48,7 +48,15 @@ class Journal:
         return record
 
     def add(self, key: str, record: Record) -> None:
-        """Append a record; it is on disk when this returns."""
+        """Append a record; it is on disk when this returns.
+
+        Parameters
+        ----------
+        key : str
+            Digest of the file and of what is done.
+        record : dict
+            JSON-ready.
+        """
         line = json.dumps({"key": key, **record}, allow_nan=False, ensure_ascii=False) + "\n"
         with self.path.open("ab") as file:
             begin = file.tell()

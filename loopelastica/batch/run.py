@@ -3,12 +3,12 @@
 import csv
 import hashlib
 import json
-import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from loopelastica._files import whole_file, write_csv
 from loopelastica._version import __version__
 from loopelastica.batch.journal import Journal, Record
 from loopelastica.batch.workers import outcomes
@@ -63,7 +63,7 @@ class Work:
     function : callable
         Task → record with ``rows`` and ``failures``; importable by name.
     columns : tuple of str
-        Columns of the table; a row may know more, which stays in the journal.
+        Columns of the table; further entries of a row stay in the journal.
     intact : callable
         Task, record → whether what the record speaks of is still there.
     """
@@ -99,7 +99,21 @@ class Run:
 
 
 def tasks_of(sources: Iterable[Path], options: dict[str, Any], out: Path) -> list[Task]:
-    """One task per file; files of one name are numbered in the order of the input."""
+    """One task per file.
+
+    Parameters
+    ----------
+    sources : iterable of Path
+        Files of one name are numbered in their order.
+    options : dict
+        Options of the work, JSON-ready.
+    out : Path
+        Folder of the run.
+
+    Returns
+    -------
+    list of Task
+    """
     seen: dict[str, int] = {}
     tasks = []
     for source in sources:
@@ -117,7 +131,7 @@ def run(
     scheduler: str | None = None,
     progress: bool = False,
 ) -> Run:
-    """Do the work on every file that the journal in `out` does not know yet.
+    """Do the work on every file that is not in the journal in `out` yet.
 
     Writes ``<name>.csv`` (rows as they come, in the end in the order of the input),
     ``failures.csv``, and ``<name>.parquet`` where pandas and pyarrow are installed.
@@ -134,6 +148,17 @@ def run(
         As for :func:`loopelastica.batch.workers.outcomes`.
     progress : bool
         Show a bar.
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    MissingDependencyError
+        If dask is needed and not installed.
+    ValueError
+        If `jobs` is below 1 or the scheduler cannot be reached.
     """
     from tqdm import tqdm
 
@@ -170,7 +195,7 @@ def run(
         for record in journal.records(keys)
         for sentence in record["failures"]
     ] + again
-    _write_csv(out / "failures.csv", ("file", "failure"), [failures])
+    write_csv(out / "failures.csv", failures, ("file", "failure"))
     _write_parquet(table)
     return Run(
         table,
@@ -183,20 +208,7 @@ def run(
 
 
 def _write_rows(table: Path, columns: tuple[str, ...], records: Iterator[Record]) -> int:
-    return _write_csv(table, columns, (record["rows"] for record in records))
-
-
-def _write_csv(path: Path, columns: tuple[str, ...], groups: Iterable[list[dict[str, Any]]]) -> int:
-    """Write all rows beside the file and move them there; how many they are."""
-    part, n = path.with_name(f".{path.name}.part"), 0
-    with part.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, columns, extrasaction="ignore", lineterminator="\n")
-        writer.writeheader()
-        for rows in groups:
-            writer.writerows(rows)
-            n += len(rows)
-    os.replace(part, path)
-    return n
+    return write_csv(table, (row for record in records for row in record["rows"]), columns)
 
 
 def _write_parquet(table: Path) -> None:
@@ -204,7 +216,6 @@ def _write_parquet(table: Path) -> None:
         import pandas
         import pyarrow  # noqa: F401 - what pandas writes parquet with
     except ImportError:
-        return  # the extra `table` is not asked for
-    part = table.with_name(f".{table.name}.parquet.part")
-    pandas.read_csv(table, low_memory=False).to_parquet(part, index=False)
-    os.replace(part, table.with_suffix(".parquet"))
+        return  # the extra `table` is not installed
+    with whole_file(table.with_suffix(".parquet")) as part:
+        pandas.read_csv(table, low_memory=False).to_parquet(part, index=False)

@@ -23,7 +23,7 @@ AHEAD = 3
 class Outcome:
     """What became of a task: its value, or a sentence.
 
-    `final` tells whether another try would end the same way; `lost` that its workers died.
+    `final`: another try would end the same way; `lost`: its workers died.
     """
 
     task: Any
@@ -53,6 +53,10 @@ def outcomes(
         Address of a running dask scheduler, used instead. Its workers need this package and the
         same file system.
 
+    Yields
+    ------
+    Outcome
+
     Raises
     ------
     MissingDependencyError
@@ -79,7 +83,19 @@ def outcomes(
 
 
 def attempt(function: Callable[[Any], Any], task: Any) -> Outcome:
-    """The outcome of one task; nothing it raises gets out."""
+    """The outcome of one task; nothing it raises gets out.
+
+    Parameters
+    ----------
+    function : callable
+        What is done.
+    task : Any
+        Its argument.
+
+    Returns
+    -------
+    Outcome
+    """
     try:
         return Outcome(task, function(task))
     except LoopelasticaError as error:

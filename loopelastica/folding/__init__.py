@@ -1,1 +1,1 @@
-"""From a stem to the ranked shapes of its loop: :mod:`.fold` is the road."""
+"""From a stem to the ranked shapes of its loop: :mod:`.fold` has the steps."""

@@ -10,18 +10,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from loopelastica._arrays import Array, read_only
+from loopelastica._arrays import Array, Record, read_only
 from loopelastica.molecule.contacts import Contacts, contacts
 from loopelastica.molecule.ends import StemEnds
-from loopelastica.molecule.trace import loop_arc_positions, rmsd_A, to_file_coordinates
+from loopelastica.molecule.trace import loop_arc_positions, rmsd_A
 from loopelastica.rod.equilibrium import Equilibrium
 
 # points per nucleotide at which contacts are looked for: 0.6 Å apart
 POINTS_PER_NUCLEOTIDE = 10
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Candidate:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Candidate(Record):
     """One possible shape of a loop.
 
     Attributes
@@ -35,7 +35,7 @@ class Candidate:
     energy_per_A : float
         Deformation energy over the bending rigidity, E/K0, in 1/Å.
     energy_kT : float
-        The same in kT, for the persistence length that was asked for (K0 = kT·lp).
+        The same in kT, for the persistence length in the options (K0 = kT·lp).
     stable : bool or None
         Whether it is a local minimum of the energy; None until it is computed.
     residual : float
@@ -65,13 +65,23 @@ class Candidate:
     rmsd_A: float | None
     rmsd_models_A: Array
 
+    @property
+    def summary(self) -> str:
+        """Energy, RMSD and contacts in a few words."""
+        rmsd = "" if self.rmsd_A is None else f", RMSD {self.rmsd_A:.2f} Å"
+        touches = f", touches {self.contacts.touched}" if self.contacts.touching else ""
+        return f"E/K0 {self.energy_per_A:.3g} 1/Å{rmsd}{touches}"
+
+    def __repr__(self) -> str:
+        return f"<Candidate {self.rank}: {self.summary}>"
+
 
 def rank(
     rods: Sequence[Equilibrium],
     ends: StemEnds,
     persistence_length_A: float,
     stem: tuple[Array, Array],
-    native_A: Array | None,
+    backbone_A: Array | None,
 ) -> tuple[Candidate, ...]:
     """Candidates of one model: those that touch nothing first, each kind by its energy.
 
@@ -80,29 +90,33 @@ def rank(
     rods : sequence of Equilibrium
         Shapes of the rod between `ends`.
     ends : StemEnds
-        The clamp.
+        Where the rod begins and ends, Å.
     persistence_length_A : float
-        Sets the scale of ``energy_kT``.
+        Scale of ``energy_kT``, Å.
     stem : (m, 3), (m,) array
         Atoms of the stem and their phases (:func:`stem_atoms`).
-    native_A : (n_nt, 3) array or None
-        Centroids of the file's loop; `rmsd_models_A` then holds this model only.
+    backbone_A : (n_nt + 2, 3) array or None
+        Centroids of the file's own loop, closing nucleotide to closing nucleotide, Å;
+        `rmsd_models_A` then holds this model only.
+
+    Returns
+    -------
+    tuple of Candidate
+        Each with its rank, from 1.
     """
     near = [contacts(*_line(rod, ends), *stem) for rod in rods]
     order = sorted(range(len(rods)), key=lambda i: (near[i].touching, rods[i].energy))
     candidates = []
     for place, i in enumerate(order, start=1):
-        rod, length_A = rods[i], ends.length_A
-        line = rod.centerline(loop_arc_positions(ends.n_free))
-        free = to_file_coordinates(line, ends.start_origin_A, ends.start_frame, length_A)
-        trace = np.concatenate([ends.continued_5_A, free, ends.continued_3_A])
-        rmsd = None if native_A is None else rmsd_A(trace, native_A)
-        energy_per_A = rod.energy / length_A
+        rod = rods[i]
+        trace = ends.trace(rod.centerline(loop_arc_positions(ends.n_free)))
+        rmsd = None if backbone_A is None else rmsd_A(trace, backbone_A[1:-1])
+        energy_per_A = rod.energy / ends.length_A
         candidates.append(
             Candidate(
                 place,
                 rod,
-                length_A,
+                ends.length_A,
                 energy_per_A,
                 energy_per_A * persistence_length_A,
                 rod.stable,
@@ -120,9 +134,6 @@ def _line(rod: Equilibrium, ends: StemEnds) -> tuple[Array, Array]:
     """Points of the loop's line, nucleotides that continue the stem included, and their phases."""
     first, last, n = len(ends.continued_5_A), len(ends.continued_3_A), ends.n_free
     s = np.linspace(0.0, 1.0, POINTS_PER_NUCLEOTIDE * n + 1)
-    free = to_file_coordinates(
-        rod.centerline(s), ends.start_origin_A, ends.start_frame, ends.length_A
-    )
-    points = np.concatenate([ends.continued_5_A, free, ends.continued_3_A])
     before, after = np.arange(1, first + 1), first + n + np.arange(1, last + 1)
-    return points, np.concatenate([before, first + 0.5 + n * s, after])
+    phases = np.concatenate([before, first + 0.5 + n * s, after])
+    return ends.trace(rod.centerline(s)), phases

@@ -6,42 +6,32 @@ candidates lie apart is the one blind sign of an error that has been found (Spea
 RNA loops of the evidence, part of it the length of the loop).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from loopelastica._arrays import Array
+from loopelastica._arrays import Array, Record
 from loopelastica.errors import StructureError
-from loopelastica.folding.fold import (
-    PERSISTENCE_LENGTH_A,
-    TAPER_MAX,
-    clamping_of,
-    native_backbone,
-)
+from loopelastica.folding.clamping import clamping_of
+from loopelastica.folding.options import ScanOptions, keywords
 from loopelastica.folding.rank import Candidate, rank
-from loopelastica.molecule.clamp_rule import RNA_TAPER, default_clamp, expected_rmsd_A, plain_clamp
+from loopelastica.molecule.clamp_rule import StemClamp, default_clamp, expected_rmsd_A, plain_clamp
 from loopelastica.molecule.contacts import stem_atoms
-from loopelastica.molecule.ends import StemEnds, placed_stem
+from loopelastica.molecule.ends import FittedStem, StemEnds, fit_stem
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
 from loopelastica.molecule.nucleotides import Nucleotides, read_structure
+from loopelastica.molecule.trace import native_backbone
 from loopelastica.rod.equilibria import equilibria
 
-if TYPE_CHECKING:
-    import os
-
-    from MDAnalysis import Universe
-
-EXTEND_5_MAX = 2
-EXTEND_3_MAX = 3
 # fewer free nucleotides than two leave the rod nothing to choose
 FREE_MIN = 2
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Clamped:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class ScannedCandidate(Record):
     """One equilibrium of one clamp.
 
     Attributes
@@ -49,7 +39,7 @@ class Clamped:
     candidate : Candidate
         The shape; ``rank`` is its place in the scan by E/K0.
     ends : StemEnds
-        The clamp.
+        The ends it is clamped to.
     rank_by_EL : int
         Its place by E·L/K0, which does not favour long rods.
     is_rule : bool
@@ -61,16 +51,23 @@ class Clamped:
     rank_by_EL: int
     is_rule: bool
 
+    def __repr__(self) -> str:
+        clamp, shape = self.ends.clamp, self.candidate
+        return (
+            f"<ScannedCandidate {shape.rank}, extensions {clamp.stem_extend_5} and"
+            f" {clamp.stem_extend_3}, taper {clamp.taper:g}: {shape.summary}>"
+        )
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LoopScan:
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LoopScan(Record):
     """The scan of one loop, first model.
 
     Attributes
     ----------
     hairpin : Hairpin
         What was scanned.
-    candidates : tuple of Clamped
+    candidates : tuple of ScannedCandidate
         By E/K0, those that touch nothing first; empty if ``failure`` says why.
     spread_A : float
         Root mean square distance of the traces from their mean, over the lowest equilibrium of each
@@ -80,7 +77,7 @@ class LoopScan:
     """
 
     hairpin: Hairpin
-    candidates: tuple[Clamped, ...]
+    candidates: tuple[ScannedCandidate, ...]
     spread_A: float = 0.0
     failure: str | None = None
 
@@ -89,36 +86,22 @@ class LoopScan:
         """Median and 90 % of the rule's error for loops of this length, Å."""
         return expected_rmsd_A(len(self.hairpin))
 
+    def __repr__(self) -> str:
+        about = f"<LoopScan {self.hairpin.name} {self.hairpin.sequence}:"
+        if self.failure is not None:
+            return f"{about} {self.failure}>"
+        return f"{about} {len(self.candidates)} candidates, spread {self.spread_A:.2f} Å>"
 
-def scan(
-    path_or_universe: "str | os.PathLike[str] | Universe",
-    *,
-    extend_5_max: int = EXTEND_5_MAX,
-    extend_3_max: int = EXTEND_3_MAX,
-    tapers: Sequence[float] = (0.0, RNA_TAPER),
-    length_per_nucleotide_A: float | None = None,
-    free_spin: bool = True,
-    torsion_ratio: float = 1.0,
-    persistence_length_A: float = PERSISTENCE_LENGTH_A,
-    irregular: bool = False,
-    pair: str | Sequence[str] = (),
-    dot_bracket: str | None = None,
-    loop: str | Sequence[str] = (),
-) -> list[LoopScan]:
+
+@keywords(ScanOptions)
+def scan(structure: Any, /, options: ScanOptions) -> list[LoopScan]:
     """Solve every feasible clamp of every loop (first model) and rank all by energy.
 
     Parameters
     ----------
-    path_or_universe : path or MDAnalysis.Universe
+    structure : path, MDAnalysis.Universe or MDAnalysis.AtomGroup
         As for :func:`loopelastica.fold`.
-    extend_5_max, extend_3_max : int
-        Most nucleotides laid on the continued strands.
-    tapers : sequence of float
-        Tapers of the 3' strand.
-    length_per_nucleotide_A, free_spin, torsion_ratio, persistence_length_A, irregular
-        As for :func:`loopelastica.fold`.
-    pair, dot_bracket, loop
-        As for :func:`loopelastica.find_hairpins`.
+    {options}
 
     Returns
     -------
@@ -130,83 +113,88 @@ def scan(
     StructureError
         If the file cannot be read or holds no nucleic acid.
     ValueError
-        If an option is out of range.
+        If an option is out of range; TypeError if there is no option of that name.
+
+    Examples
+    --------
+    >>> from loopelastica._files import data_path
+    >>> (loop,) = scan(data_path("hairpins/2koc.pdb"), extend_5_max=1, extend_3_max=1)
+    >>> print(f"{len(loop.candidates)} candidates, spread {loop.spread_A:.1f} Å")
+    19 candidates, spread 1.5 Å
     """
-    if min(extend_5_max, extend_3_max) < 0:
-        raise ValueError("`extend_5_max` and `extend_3_max` must be 0 or more")
-    if not tapers or not all(0.0 <= taper <= TAPER_MAX for taper in tapers):
-        raise ValueError(
-            f"`tapers` {tuple(tapers)} must be one or more values from 0 to {TAPER_MAX}"
-        )
-    structure = read_structure(path_or_universe)
+    structure = read_structure(structure)
+    hairpins = find_hairpins(structure, **options.selection)
     positions = structure.positions(0)
-    options = {
-        "grid": list(product(range(extend_5_max + 1), range(extend_3_max + 1), tapers)),
-        "length_per_nucleotide_A": length_per_nucleotide_A,
-        "free_spin": free_spin,
-        "torsion_ratio": torsion_ratio,
-        "persistence_length_A": persistence_length_A,
-        "irregular": irregular,
-    }
-    hairpins = find_hairpins(structure, pair=pair, dot_bracket=dot_bracket, loop=loop)
-    return [
-        _scan_loop(structure.nucleotides, hairpin, positions, **options) for hairpin in hairpins
-    ]
+    return [scan_loop(structure.nucleotides, hairpin, positions, options) for hairpin in hairpins]
 
 
-def _scan_loop(
-    nucleotides: Nucleotides, hairpin: Hairpin, positions: Array, **options: Any
+def scan_loop(
+    nucleotides: Nucleotides, hairpin: Hairpin, positions: Array, options: ScanOptions
 ) -> LoopScan:
-    name = "–".join(hairpin.closing_pair)
+    """Scan one hairpin in one model.
+
+    Parameters
+    ----------
+    nucleotides, hairpin, positions
+        As for :func:`loopelastica.folding.fold.fold_model`.
+    options : ScanOptions
+        As for :func:`scan`.
+
+    Returns
+    -------
+    LoopScan
+        A loop that cannot be scanned says why in ``failure``.
+    """
     try:
-        stem = placed_stem(nucleotides, hairpin, positions)
-        plain = plain_clamp(hairpin.is_dna)
-        if options["length_per_nucleotide_A"] is not None:
-            plain = replace(plain, length_per_nucleotide_A=options["length_per_nucleotide_A"])
-        if not options["irregular"]:
-            stem.ends(plain).check_regular(name)
-        rule = stem.feasible(
-            replace(
-                default_clamp(hairpin.is_dna, len(hairpin)),
-                length_per_nucleotide_A=plain.length_per_nucleotide_A,
-            )
-        ).clamp
+        stem = fit_stem(nucleotides, hairpin, positions)
+        plain, rule = _plain_and_rule(stem, options)
     except StructureError as error:
         return LoopScan(hairpin, (), failure=str(error))
     backbone_A = native_backbone(nucleotides, hairpin, positions)
     atoms = stem_atoms(nucleotides, hairpin, positions)
     found = []
-    for extend_5, extend_3, taper in options["grid"]:
-        if len(hairpin) - extend_5 - extend_3 < FREE_MIN:
-            continue
-        clamp = replace(plain, stem_extend_5=extend_5, stem_extend_3=extend_3, taper=taper)
-        try:
-            ends = stem.ends(clamp).check_reach(name)
-        except StructureError:
-            continue  # the rod does not span these ends
-        rods = equilibria(
-            clamping_of(ends, options["free_spin"]), options["torsion_ratio"], rounds=1
-        )
-        found += [
-            (candidate, ends)
-            for candidate in rank(
-                rods,
-                ends,
-                options["persistence_length_A"],
-                atoms,
-                None if backbone_A is None else backbone_A[1:-1],
-            )
-        ]
+    for ends in _feasible(stem, plain, options):
+        clamping = clamping_of(ends, options.free_spin)
+        rods = equilibria(clamping, options.torsion_ratio, rounds=1)
+        candidates = rank(rods, ends, options.persistence_length_A, atoms, backbone_A)
+        found += [(candidate, ends) for candidate in candidates]
     spread_A = _spread_A([c.trace for c, ends in found if c.rank == 1 and _near(ends)])
     return LoopScan(hairpin, _ranked(found, rule), spread_A)
 
 
-def _ranked(found: list[tuple[Candidate, StemEnds]], rule: Any) -> tuple[Clamped, ...]:
+def _plain_and_rule(stem: FittedStem, options: ScanOptions) -> tuple[StemClamp, StemClamp]:
+    """The clamp at the closing pair and that of the rule, with the length per nucleotide given."""
+    hairpin = stem.hairpin
+    plain, rule = plain_clamp(hairpin.is_dna), default_clamp(hairpin.is_dna, len(hairpin))
+    if options.length_per_nucleotide_A is not None:
+        length_A = options.length_per_nucleotide_A
+        plain, rule = (replace(c, length_per_nucleotide_A=length_A) for c in (plain, rule))
+    if not options.irregular:
+        stem.ends(plain).check_regular(hairpin.label)
+    return plain, stem.feasible(rule).clamp
+
+
+def _feasible(stem: FittedStem, plain: StemClamp, options: ScanOptions) -> Iterator[StemEnds]:
+    """The ends of every clamp that a rod of its length spans."""
+    extend_5, extend_3 = range(options.extend_5_max + 1), range(options.extend_3_max + 1)
+    for five, three, taper in product(extend_5, extend_3, options.tapers):
+        if len(stem.hairpin) - five - three < FREE_MIN:
+            continue
+        clamp = replace(plain, stem_extend_5=five, stem_extend_3=three, taper=taper)
+        try:
+            yield stem.ends(clamp).check_reach(stem.hairpin.label)
+        except StructureError:
+            continue
+
+
+def _ranked(
+    found: list[tuple[Candidate, StemEnds]], rule: StemClamp
+) -> tuple[ScannedCandidate, ...]:
     by_E = sorted(found, key=lambda f: (f[0].contacts.touching, f[0].energy_per_A))
     by_EL = sorted(by_E, key=lambda f: (f[0].contacts.touching, f[0].rod.energy))
     place = {id(candidate): k for k, (candidate, _) in enumerate(by_EL, start=1)}
     return tuple(
-        Clamped(replace(candidate, rank=k), ends, place[id(candidate)], ends.clamp == rule)
+        ScannedCandidate(replace(candidate, rank=k), ends, place[id(candidate)], ends.clamp == rule)
         for k, (candidate, ends) in enumerate(by_E, start=1)
     )
 

@@ -8,16 +8,24 @@ The hairpins are those of the frame the Universe is at when the analysis is made
 its own clamp, from its own stem.
 """
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from MDAnalysis.analysis.base import AnalysisBase
 from MDAnalysis.analysis.results import ResultsGroup
 
-from loopelastica.folding.fold import checked_parameters, fold_positions
-from loopelastica.molecule.hairpins import hairpins_of
+from loopelastica._arrays import Array
+from loopelastica.folding.fold import fold_model
+from loopelastica.folding.options import FoldOptions, show_options
+from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
-from loopelastica.report.pandas import pandas
+
+_NOT_HERE = {
+    "all_models": "each of its frames is folded",
+    "max_candidates": "the first-ranked shape of each frame is kept",
+    "persistence_length_A": "its energies are E/K0, 1/Å",
+}
 
 
 class LoopElastica(AnalysisBase):  # type: ignore[misc]
@@ -25,10 +33,9 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
 
     Parameters
     ----------
-    universe : MDAnalysis.Universe
-        With nucleic acid in its present frame.
-    **options
-        Those of :func:`loopelastica.fold` (``free_spin``, ``taper``, …), the same meaning.
+    atoms : MDAnalysis.Universe or MDAnalysis.AtomGroup
+        With nucleic acid in its present frame, where the hairpins are looked for.
+    {options}
 
     Attributes
     ----------
@@ -49,9 +56,10 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
     Raises
     ------
     StructureError
-        If the Universe holds no nucleic acid.
+        If there is no nucleic acid, or no nucleotide that `pair` or `loop` name.
     ValueError
-        If an option is out of range; TypeError if it is unknown.
+        If `atoms` is a path, an option is out of range, or is one of :func:`fold` that does not
+        apply to a trajectory; TypeError if there is no option of that name.
 
     Examples
     --------
@@ -72,14 +80,20 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
         """Backends that give equal results."""
         return ("serial", "multiprocessing", "dask")
 
-    def __init__(self, universe: Any, **options: Any) -> None:
-        self._parameters = checked_parameters(**options)
-        structure = read_structure(universe)
+    def __init__(self, atoms: Any, **options: Any) -> None:
+        for name, reason in _NOT_HERE.items():
+            if name in options:
+                raise ValueError(f"`{name}` does not apply to a trajectory: {reason}")
+        if not hasattr(atoms, "universe"):
+            raise ValueError(
+                f"`atoms` is neither a Universe nor an AtomGroup but {type(atoms).__name__}"
+            )
+        self._options = FoldOptions(**options, max_candidates=1)
+        structure = read_structure(atoms)
         self._nucleotides = structure.nucleotides
-        self._atoms = universe.atoms
-        positions = np.array(universe.atoms.positions, dtype=np.float64)
-        self.hairpins = hairpins_of(self._nucleotides, positions)
-        super().__init__(universe.trajectory)
+        self._all_atoms = atoms.universe.atoms
+        self.hairpins = find_hairpins(structure, **self._options.selection)
+        super().__init__(atoms.universe.trajectory)
 
     def _prepare(self) -> None:
         self.results.energy_per_A = []
@@ -89,10 +103,10 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
         self.results.failures = []
 
     def _single_frame(self) -> None:
-        positions = np.array(self._atoms.positions, dtype=np.float64)
+        positions = np.array(self._all_atoms.positions, dtype=np.float64)
         energies, rmsds, touching, traces = [], [], [], []
         for hairpin in self.hairpins:
-            fold = fold_positions(self._nucleotides, hairpin, positions, **self._parameters)
+            fold = fold_model(self._nucleotides, hairpin, positions, self._options)
             if fold.failure:
                 self.results.failures.append((int(self._ts.frame), fold.failure))
             first = fold.candidates[0] if fold.candidates else None
@@ -117,21 +131,29 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
         total = sum(len(hairpin) for hairpin in self.hairpins)
         self.results.traces_A = np.array(self.results.traces_A, dtype=float).reshape(n, total, 3)
 
-    def trace_A(self, loop: int) -> Any:
-        """Line points (n_frames, n_nt, 3) of one loop, Å."""
+    def trace_A(self, loop: int) -> Array:
+        """Line points (n_frames, n_nt, 3) of one loop, by its place in `hairpins`, Å."""
         ends = np.cumsum([0, *(len(hairpin) for hairpin in self.hairpins)])
-        return self.results.traces_A[:, ends[loop] : ends[loop + 1]]
+        traces: Array = self.results.traces_A[:, ends[loop] : ends[loop + 1]]
+        return traces
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """A row per frame and loop, None where it was not folded."""
+        for i, frame in enumerate(self.frames):
+            for k, hairpin in enumerate(self.hairpins):
+                row = {name: self.results[name][i, k] for name in ("energy_per_A", "rmsd_A")}
+                known = {n: float(v) if np.isfinite(v) else None for n, v in row.items()}
+                touching = bool(self.results.touching[i, k])
+                yield {"frame": int(frame), "loop": hairpin.name, **known, "touching": touching}
 
     def to_dataframe(self) -> Any:
-        """One line per frame and loop, None where not folded; needs the extra ``table``."""
-        frames = np.repeat(self.frames, len(self.hairpins))
-        names = [hairpin.name for hairpin in self.hairpins] * self.n_frames
-        columns = {"frame": frames, "loop": names}
-        for name in ("energy_per_A", "rmsd_A"):
-            values = self.results[name].ravel()
-            columns[name] = [float(v) if np.isfinite(v) else None for v in values]
-        columns["touching"] = self.results.touching.ravel()
-        return pandas().DataFrame(columns)
+        """These rows as a table of pandas; needs the extra ``table``."""
+        from loopelastica.report.dataframe import to_dataframe
+
+        return to_dataframe(self)
+
+
+show_options(LoopElastica, FoldOptions, without=_NOT_HERE)
 
 
 def _joined(parts: list[list[Any]]) -> list[Any]:

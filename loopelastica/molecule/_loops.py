@@ -1,4 +1,4 @@
-"""Which rows close a hairpin loop, by their pairs or by the user's word, and what is left out."""
+"""Which rows close a hairpin loop, by their pairs or by name, and what is left out."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.molecule.nucleotides import Nucleotides, atom_positions, enumerated
 from loopelastica.molecule.selection import Place, row_at, rows_at
@@ -27,17 +28,36 @@ def pairs_of(partner: NDArray[np.int64]) -> list[tuple[int, int]]:
 
 def closing_pairs(
     nucleotides: Nucleotides,
-    positions: NDArray[np.float64],
+    positions: Array,
     partner: NDArray[np.int64],
     joined: NDArray[np.bool_],
-    told: set[tuple[int, int]],
-    min_loop: int,
-    max_loop: int,
+    given: set[tuple[int, int]],
+    limits: tuple[int, int],
 ) -> tuple[list[tuple[int, int]], list[str]]:
     """Pairs that close a hairpin loop, and a sentence for each that the file spoils.
 
-    Pairs `told` by the user close a loop of any length, without a stem that goes on.
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Table of n nucleotides.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
+    partner : (n,) array of int
+        Row that each nucleotide pairs with, −1 where it is single.
+    joined : (n − 1,) array of bool
+        Whether the chain goes on to the next row.
+    given : set of (int, int)
+        Pairs of the user: they close a loop of any length, without a stem that goes on.
+    limits : (int, int)
+        Fewest and most nucleotides of any other loop.
+
+    Returns
+    -------
+    closing : list of (int, int)
+        Rows i < j of the closing pairs, in their order.
+    remarks : list of str
     """
+    min_loop, max_loop = limits
     c1 = atom_positions(nucleotides, positions, ("C1'",))[:, 0]
     closing: list[tuple[int, int]] = []
     remarks: list[str] = []
@@ -45,9 +65,9 @@ def closing_pairs(
         if _holds_a_pair(partner, i, j):
             continue
         if not joined[i:j].all():
-            # The length of a loop with a gap is known by its numbers only.
-            remarks += _gap(nucleotides, joined, i, j, max_loop)
-        elif ((i, j) in told and j - i > 1) or (
+            # The length of a loop with missing nucleotides follows from its numbers only.
+            remarks += _incomplete(nucleotides, joined, i, j, max_loop)
+        elif ((i, j) in given and j - i > 1) or (
             min_loop <= j - i - 1 <= max_loop
             and (stem_length(partner, joined, i, j) > 1 or _stem_goes_on(c1, joined, i, j))
         ):
@@ -72,7 +92,7 @@ def stem_length(partner: NDArray[np.int64], joined: NDArray[np.bool_], i: int, j
     return n
 
 
-def _stem_goes_on(c1: NDArray[np.float64], joined: NDArray[np.bool_], i: int, j: int) -> bool:
+def _stem_goes_on(c1: Array, joined: NDArray[np.bool_], i: int, j: int) -> bool:
     """Whether the strands run on side by side outside an isolated pair, one bulge allowed."""
     for a, b in ((1, 1), (1, 2), (2, 1)):
         if i - a < 0 or j + b >= len(c1):
@@ -100,10 +120,10 @@ def _pseudoknotted(
     return False
 
 
-def _gap(
+def _incomplete(
     nucleotides: Nucleotides, joined: NDArray[np.bool_], i: int, j: int, max_loop: int
 ) -> Iterator[str]:
-    """Say that a loop has nucleotides missing, where the numbers tell of a hairpin loop."""
+    """Say that a loop has nucleotides missing, where the numbers are those of a hairpin loop."""
     label, number = nucleotides.label, nucleotides.resid
     n = int(number[j] - number[i]) - 1
     if nucleotides.chain[i] == nucleotides.chain[j] and j - i - 1 < n <= max_loop:
@@ -124,10 +144,32 @@ def _knot(nucleotides: Nucleotides, partner: NDArray[np.int64], i: int, j: int) 
     )
 
 
-def asked_loop(
+def named_loop(
     nucleotides: Nucleotides, joined: NDArray[np.bool_], first: Place, last: Place
 ) -> tuple[int, int, NDArray[np.int64]]:
-    """Rows of the two closing nucleotides and of the loop, −1 where one is not in the file."""
+    """The loop that a user names by its first and last nucleotide.
+
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Table of n nucleotides.
+    joined : (n − 1,) array of bool
+        Whether the chain goes on to the next row.
+    first, last : Place
+        Its ends, which may be absent from the file.
+
+    Returns
+    -------
+    i, j : int
+        Rows of the closing nucleotides.
+    loop : (m,) array of int
+        Rows of the loop, −1 where a nucleotide is not in the file.
+
+    Raises
+    ------
+    StructureError
+        If there is no such loop, or its closing nucleotides are not in the file.
+    """
     name = f"{first}-{last.number}{last.icode}"
     refusal = f"`loop` {name} has no stem to be clamped to"
     i = _beside(nucleotides, joined, first, -1, refusal)
@@ -140,7 +182,7 @@ def asked_loop(
     if first.icode or last.icode or (nucleotides.icode[i + 1 : j] != "").any():
         raise StructureError(
             f"`loop` {name}: nucleotides are missing in the file, and with insertion codes the"
-            " numbers do not tell how many"
+            " numbers do not say how many"
         )
     present = {int(nucleotides.resid[row]): row for row in range(i + 1, j)}
     rows = [present.get(number, -1) for number in range(first.number, last.number + 1)]

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides, column_of
 
 _SUGAR = ("C1'", "C3'", "C4'")
@@ -28,30 +29,31 @@ class _Columns(dict[str, int]):
         return column
 
 
-def recognize(universe: Any) -> Nucleotides:
-    """Table of the nucleotides of an MDAnalysis Universe, in the order of its residues.
+def recognize(atoms: Any) -> Nucleotides:
+    """Table of the nucleotides among some atoms, in the order of their residues.
 
     Parameters
     ----------
-    universe : MDAnalysis.Universe
-        Atoms need names; chains, insertion codes, altlocs and occupancies may be absent.
+    atoms : MDAnalysis.AtomGroup
+        Atoms need names; chains, insertion codes, altlocs and occupancies may be absent. Others of
+        the same Universe do not count.
 
     Returns
     -------
     Nucleotides
-        Of length 0 where there is none. Of alternative locations the one of highest mean occupancy
-        in its residue is taken, the first by letter among equals.
+        Of length 0 where there is none; atoms count as in the whole Universe. Of alternative
+        locations the one of highest mean occupancy in its residue is taken, the first by letter
+        among equals.
     """
-    atoms = universe.atoms
     residue_of = np.asarray(atoms.resindices, dtype=np.int64)
     altloc = _strings(atoms, "altLocs")
     occupancy = np.asarray(getattr(atoms, "occupancies", np.ones(len(atoms))), dtype=np.float64)
     preferred = _preferred(residue_of, altloc, occupancy)
-    table = _index_table(atoms.names, residue_of, preferred, len(universe.residues))
+    table = _index_table(atoms.names, residue_of, preferred, len(atoms.universe.residues))
     rows = np.flatnonzero(_is_nucleotide(table))
     table = table[rows]
 
-    residues = universe.residues[rows]
+    residues = atoms.universe.residues[rows]
     chain = _chains(atoms, residues, table)
     resid = np.asarray(residues.resids, dtype=np.int64)
     icode = _strings(residues, "icodes")
@@ -66,7 +68,7 @@ def recognize(universe: Any) -> Nucleotides:
         letter=_letters(table, is_dna),
         is_dna=is_dna,
         altloc=_taken(altloc, table),
-        atom_index=table,
+        atom_index=np.where(table >= 0, atoms.indices[table], -1),
     )
 
 
@@ -89,7 +91,7 @@ def _is_nucleotide(table: NDArray[np.int64]) -> NDArray[np.bool_]:
 
 
 def _preferred(
-    residue_of: NDArray[np.int64], altloc: NDArray[np.str_], occupancy: NDArray[np.float64]
+    residue_of: NDArray[np.int64], altloc: NDArray[np.str_], occupancy: Array
 ) -> NDArray[np.bool_]:
     """Mark the atoms without altloc and those of the one altloc chosen in each residue."""
     preferred: NDArray[np.bool_] = np.asarray(altloc == "", dtype=np.bool_)
@@ -138,7 +140,7 @@ def _one_of_each(
     icode: NDArray[np.str_],
     table: NDArray[np.int64],
     altloc: NDArray[np.str_],
-    occupancy: NDArray[np.float64],
+    occupancy: Array,
 ) -> NDArray[np.int64]:
     """Rows left when two residues share one place (altlocs of different residue names)."""
     sugar = table[:, column_of("C1'")]

@@ -9,6 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Record
+
 BACKBONE: Final = ("P", "O5'", "C5'", "C4'", "C3'", "O3'")
 """The six atoms, in chain order, whose mean is the centroid of a nucleotide."""
 
@@ -46,8 +48,8 @@ def column_of(name: str) -> int:
     return _COLUMN.get(_OTHER_NAMES.get(name, name), -1)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Nucleotides:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Nucleotides(Record):
     """The nucleotides of a structure in the order of the file; arrays over n nucleotides.
 
     Attributes
@@ -79,9 +81,8 @@ class Nucleotides:
     altloc: NDArray[np.str_]
     atom_index: NDArray[np.int64]
 
-    def __post_init__(self) -> None:
-        for name in self.__slots__:
-            getattr(self, name).setflags(write=False)
+    def __repr__(self) -> str:
+        return f"<Nucleotides: {len(self)} in {len(set(self.chain))} chain(s)>"
 
     def __len__(self) -> int:
         """Return the number of nucleotides."""
@@ -95,10 +96,10 @@ class Nucleotides:
         ValueError
             If one of `names` is not in ``ATOM_NAMES``.
         """
-        wanted = [column_of(name) for name in names]
-        if -1 in wanted:
-            raise ValueError(f"`names`: {names[wanted.index(-1)]!r} is not among {ATOM_NAMES}")
-        return self.atom_index[:, wanted]
+        columns = [column_of(name) for name in names]
+        if -1 in columns:
+            raise ValueError(f"`names`: {names[columns.index(-1)]!r} is not among {ATOM_NAMES}")
+        return self.atom_index[:, columns]
 
     def number(self, i: int) -> str:
         """Residue number with its insertion code, such as "12" or "3B"."""

@@ -80,6 +80,19 @@ def plain_clamp(is_dna: bool) -> StemClamp:
 def default_clamp(is_dna: bool, n: int) -> StemClamp:
     """The rule's clamp for a loop of `n` nucleotides.
 
+    Parameters
+    ----------
+    is_dna : bool
+        Kind of the stem.
+    n : int
+        Loop nucleotides.
+
+    Returns
+    -------
+    StemClamp
+
+    Examples
+    --------
     >>> default_clamp(is_dna=False, n=7)
     StemClamp(stem_extend_5=1, stem_extend_3=2, taper=0.2, length_per_nucleotide_A=6.0)
     """

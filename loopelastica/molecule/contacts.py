@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.nucleotides import Nucleotides
 
@@ -48,10 +48,23 @@ class Contacts:
         return ", ".join(name for name, yes in (("stem", stem), ("self", itself)) if yes)
 
 
-def stem_atoms(
-    nucleotides: Nucleotides, hairpin: Hairpin, positions: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Atoms (m, 3) of the stem, Å, and the phase (m,) of the nucleotide of each."""
+def stem_atoms(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array) -> tuple[Array, Array]:
+    """Atoms (m, 3) of the stem, Å, and the phase (m,) of the nucleotide of each.
+
+    Parameters
+    ----------
+    nucleotides, hairpin
+        What was read, and which of its loops.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
+
+    Returns
+    -------
+    atoms_A : (m, 3) array
+        Å.
+    phases : (m,) array
+        Those of their nucleotides along the chain, 0 the 5' closing one.
+    """
     n_pairs, n = len(hairpin.stem_5), len(hairpin)
     rows = np.concatenate([hairpin.stem_5, hairpin.stem_3])
     phases = np.concatenate([-np.arange(n_pairs), n + 1 + np.arange(n_pairs)])
@@ -61,12 +74,7 @@ def stem_atoms(
     return atoms[known], np.repeat(phases, known.sum(axis=1)).astype(np.float64)
 
 
-def contacts(
-    line_A: NDArray[np.float64],
-    phases: NDArray[np.float64],
-    atoms_A: NDArray[np.float64],
-    atom_phases: NDArray[np.float64],
-) -> Contacts:
+def contacts(line_A: Array, phases: Array, atoms_A: Array, atom_phases: Array) -> Contacts:
     """Nearest approaches of a line to the stem and to itself.
 
     Parameters
@@ -77,6 +85,10 @@ def contacts(
         Their places along the chain in nucleotides, 0 the 5' closing one.
     atoms_A, atom_phases : (m, 3), (m,) array
         The stem, as from :func:`stem_atoms`.
+
+    Returns
+    -------
+    Contacts
 
     Examples
     --------
@@ -90,12 +102,7 @@ def contacts(
     )
 
 
-def _nearest(
-    a: NDArray[np.float64],
-    phase_a: NDArray[np.float64],
-    b: NDArray[np.float64],
-    phase_b: NDArray[np.float64],
-) -> float:
+def _nearest(a: Array, phase_a: Array, b: Array, phase_b: Array) -> float:
     """Smallest distance between points at least `APART` along the chain."""
     squared = ((a[:, None] - b[None]) ** 2).sum(axis=2)
     squared[np.abs(phase_a[:, None] - phase_b[None]) < APART] = np.inf

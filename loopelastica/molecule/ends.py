@@ -21,18 +21,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array, Record
 from loopelastica.errors import StructureError
 from loopelastica.molecule.clamp_rule import STEM_RMS_MAX_A, StemClamp, plain_clamp
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.nucleotides import BACKBONE, Nucleotides, atom_positions
 from loopelastica.molecule.strands import Strand, ideal_strand, line_frame, strand_atoms
+from loopelastica.molecule.trace import to_file_coordinates
 
 MIN_ATOMS = 4
 """Fewest of the six backbone atoms of a closing nucleotide that still place a strand."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class StemEnds:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class StemEnds(Record):
     """Where a loop leaves its stem and comes back to it, in the coordinates of the file.
 
     Attributes
@@ -54,22 +56,30 @@ class StemEnds:
         the stem is no A or B helix and the clamp means nothing.
     """
 
-    start_origin_A: NDArray[np.float64]
-    start_frame: NDArray[np.float64]
-    end_origin_A: NDArray[np.float64]
-    end_frame: NDArray[np.float64]
+    start_origin_A: Array
+    start_frame: Array
+    end_origin_A: Array
+    end_frame: Array
     length_A: float
     clamp: StemClamp
-    continued_5_A: NDArray[np.float64]
-    continued_3_A: NDArray[np.float64]
-    fit_rms_A: NDArray[np.float64]
-    stem_rms_A: NDArray[np.float64] | None
+    continued_5_A: Array
+    continued_3_A: Array
+    fit_rms_A: Array
+    stem_rms_A: Array | None
 
-    def __post_init__(self) -> None:
-        for name in self.__slots__:
-            value = getattr(self, name)
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
+    def __repr__(self) -> str:
+        return (
+            f"<StemEnds {self.distance_A:.1f} Å apart, line of {self.length_A:.1f} Å on"
+            f" {self.n_free} nucleotides, stem misfit {self.rms_A:.2f} Å>"
+        )
+
+    def to_file(self, centerline: Array) -> Array:
+        """Line (n, 3) of unit length in the start frame → Å in the coordinates of the file."""
+        return to_file_coordinates(centerline, self.start_origin_A, self.start_frame, self.length_A)
+
+    def trace(self, centerline: Array) -> Array:
+        """The same, with the nucleotides that continue the stem before and after."""
+        return np.concatenate([self.continued_5_A, self.to_file(centerline), self.continued_3_A])
 
     @property
     def distance_A(self) -> float:
@@ -116,27 +126,8 @@ class StemEnds:
         return self
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Placed:
-    """An ideal strand moved rigidly onto atoms: x ↦ rotation x + shift."""
-
-    rotation: NDArray[np.float64]
-    shift: NDArray[np.float64]
-    rms_A: float
-
-    def line_end(
-        self, strand: Strand, phase: float, taper: float = 0.0
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Point and frame of its line where it lies now; see :func:`line_frame`."""
-        point, frame = line_frame(strand, phase, taper)
-        return self.rotation @ point + self.shift, self.rotation @ frame
-
-
 def stem_ends(
-    nucleotides: Nucleotides,
-    hairpin: Hairpin,
-    positions: NDArray[np.float64],
-    clamp: StemClamp | None = None,
+    nucleotides: Nucleotides, hairpin: Hairpin, positions: Array, clamp: StemClamp | None = None
 ) -> StemEnds:
     """Clamp a loop to its stem; no atom of the loop is looked at.
 
@@ -150,6 +141,10 @@ def stem_ends(
         All atoms of one model, Å.
     clamp : StemClamp, optional
         Extensions, taper and length; default the plain clamp at the closing pair.
+
+    Returns
+    -------
+    StemEnds
 
     Raises
     ------
@@ -171,38 +166,49 @@ def stem_ends(
     >>> print(f"{chord_A:.1f} of {ends.length_A:.1f} Å")
     14.5 of 24.0 Å
     """
-    return placed_stem(nucleotides, hairpin, positions).ends(clamp or plain_clamp(hairpin.is_dna))
+    return fit_stem(nucleotides, hairpin, positions).ends(clamp or plain_clamp(hairpin.is_dna))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlacedStem:
-    """Ideal strands laid on the two strands of a stem, from which any clamp follows."""
+class FittedStem(Record):
+    """Ideal strands laid on the 5' and the 3' strand of a stem, from which any clamp follows.
+
+    Attributes
+    ----------
+    hairpin : Hairpin
+        Whose stem it is.
+    file_from_strand : (2, 3, 3) array
+        Rotations of the ideal strand onto the atoms.
+    shift_A : (2, 3) array
+        Shifts that follow them.
+    fit_rms_A, stem_rms_A : (2,) array
+        As for :class:`StemEnds`.
+    """
 
     hairpin: Hairpin
-    strands: tuple[_Placed, _Placed]
-    stem_rms_A: NDArray[np.float64] | None
+    file_from_strand: Array
+    shift_A: Array
+    fit_rms_A: Array
+    stem_rms_A: Array | None
 
     def ends(self, clamp: StemClamp) -> StemEnds:
         """The ends of the rod for one clamp; raises as :func:`stem_ends` does."""
-        strand, (five, three) = ideal_strand(self.hairpin.is_dna), self.strands
-        n_free = len(self.hairpin) - clamp.stem_extend_5 - clamp.stem_extend_3
-        name = "–".join(self.hairpin.closing_pair)
+        extend_5, extend_3 = clamp.stem_extend_5, clamp.stem_extend_3
+        n_free = len(self.hairpin) - extend_5 - extend_3
         if n_free < 1:
             raise StructureError(
-                f"{name}: the loop has {len(self.hairpin)} nucleotides and extensions of"
-                f" {clamp.stem_extend_5} and {clamp.stem_extend_3} leave none to the rod; the loop"
-                " is not folded"
+                f"{self.hairpin.label}: the loop has {len(self.hairpin)} nucleotides and extensions"
+                f" of {extend_5} and {extend_3} leave none to the rod; the loop is not folded"
             )
         try:
-            start = five.line_end(strand, clamp.stem_extend_5 + 0.5)
-            end = three.line_end(strand, -clamp.stem_extend_3 - 0.5, clamp.taper)
-            continued_5 = [five.line_end(strand, k + 1)[0] for k in range(clamp.stem_extend_5)]
+            start = self._line_frame(0, extend_5 + 0.5)
+            end = self._line_frame(1, -extend_3 - 0.5, clamp.taper)
+            continued_5 = [self._line_frame(0, k + 1)[0] for k in range(extend_5)]
             continued_3 = [
-                three.line_end(strand, k - clamp.stem_extend_3, clamp.taper)[0]
-                for k in range(clamp.stem_extend_3)
+                self._line_frame(1, k - extend_3, clamp.taper)[0] for k in range(extend_3)
             ]
         except ValueError as error:
-            raise StructureError(f"{name}: {error}; the loop is not folded") from None
+            raise StructureError(f"{self.hairpin.label}: {error}; the loop is not folded") from None
         return StemEnds(
             start_origin_A=start[0],
             start_frame=start[1],
@@ -212,7 +218,7 @@ class PlacedStem:
             clamp=clamp,
             continued_5_A=np.array(continued_5).reshape(-1, 3),
             continued_3_A=np.array(continued_3).reshape(-1, 3),
-            fit_rms_A=np.array([fit.rms_A for fit in self.strands]),
+            fit_rms_A=self.fit_rms_A,
             stem_rms_A=self.stem_rms_A,
         )
 
@@ -233,34 +239,50 @@ class PlacedStem:
             elif clamp.stem_extend_5:
                 clamp = replace(clamp, stem_extend_5=clamp.stem_extend_5 - 1)
             else:
-                return ends.check_reach("–".join(self.hairpin.closing_pair))
+                return ends.check_reach(self.hairpin.label)
+
+    def _line_frame(self, side: int, phase: float, taper: float = 0.0) -> tuple[Array, Array]:
+        """Point and frame of the 5' (0) or 3' (1) strand's line; see :func:`line_frame`."""
+        point, frame = line_frame(ideal_strand(self.hairpin.is_dna), phase, taper)
+        rotation = self.file_from_strand[side]
+        return rotation @ point + self.shift_A[side], rotation @ frame
 
 
-def placed_stem(
-    nucleotides: Nucleotides, hairpin: Hairpin, positions: NDArray[np.float64]
-) -> PlacedStem:
-    """Lay the ideal strand on each strand of the stem; raises as :func:`stem_ends` does."""
+def fit_stem(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array) -> FittedStem:
+    """Lay the ideal strand on each strand of the stem.
+
+    Parameters
+    ----------
+    nucleotides, hairpin, positions
+        As for :func:`stem_ends`.
+
+    Returns
+    -------
+    FittedStem
+
+    Raises
+    ------
+    StructureError
+        If atoms of the stem are missing or have no place.
+    """
     strand = ideal_strand(hairpin.is_dna)
     sides = ((hairpin.stem_5, -1), (hairpin.stem_3, 1))
-    five, three = (
-        _place(strand, nucleotides, rows[: strand.fitted_nucleotides], step, positions)
+    fits = [
+        _fit(strand, nucleotides, rows[: strand.fitted_nucleotides], step, positions)
         for rows, step in sides
-    )
+    ]
     two = [
-        _place(strand, nucleotides, rows[:2], step, positions).rms_A
+        _fit(strand, nucleotides, rows[:2], step, positions)[2]
         for rows, step in sides
         if len(rows) > 1
     ]
-    return PlacedStem(hairpin, (five, three), np.array(two) if two else None)
+    rotations, shifts, rms_A = (np.array(values) for values in zip(*fits, strict=True))
+    return FittedStem(hairpin, rotations, shifts, rms_A, np.array(two) if two else None)
 
 
-def _place(
-    strand: Strand,
-    nucleotides: Nucleotides,
-    rows: NDArray[np.int64],
-    step: int,
-    positions: NDArray[np.float64],
-) -> _Placed:
+def _fit(
+    strand: Strand, nucleotides: Nucleotides, rows: NDArray[np.int64], step: int, positions: Array
+) -> tuple[Array, Array, float]:
     """Lay the ideal strand on the nucleotides `rows`, the closing one at phase 0.
 
     `step` is −1 where the rows go against the chain (5' strand), 1 where they go along it.
@@ -272,20 +294,18 @@ def _place(
     return _superpose(ideal[present], real[present])
 
 
-def _superpose(ideal: NDArray[np.float64], real: NDArray[np.float64]) -> _Placed:
-    """Rigid motion of least squares (Kabsch), without reflection."""
+def _superpose(ideal: Array, real: Array) -> tuple[Array, Array, float]:
+    """Rotation, shift and misfit of the rigid motion of least squares (Kabsch), no reflection."""
     ideal_center, real_center = ideal.mean(axis=0), real.mean(axis=0)
     u, _, vt = np.linalg.svd((real - real_center).T @ (ideal - ideal_center))
     handed = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
     rotation = u @ handed @ vt
     shift = real_center - rotation @ ideal_center
     misfit = real - ideal @ rotation.T - shift
-    return _Placed(rotation, shift, float(np.sqrt((misfit**2).sum(axis=1).mean())))
+    return rotation, shift, float(np.sqrt((misfit**2).sum(axis=1).mean()))
 
 
-def _check_stem(
-    nucleotides: Nucleotides, rows: NDArray[np.int64], positions: NDArray[np.float64]
-) -> None:
+def _check_stem(nucleotides: Nucleotides, rows: NDArray[np.int64], positions: Array) -> None:
     """Refuse a stem strand whose atoms cannot place it, naming residue, fact and consequence."""
     index = nucleotides.columns(BACKBONE)[rows]
     for row, atoms in zip(rows, index, strict=True):

@@ -2,11 +2,11 @@
 
 A hairpin loop is the single strand between the two nucleotides of a canonical pair: one unbroken
 chain with no canonical pair of its own. Pairs of loop nucleotides with others far away (kissing
-loops, tertiary contacts) are allowed and listed, for they bend the loop and no stem tells of them.
+loops, tertiary contacts) are allowed and listed, for they bend the loop and no stem shows them.
 
 Left out are loops with nucleotides missing in the file, isolated pairs from which no stem goes on,
 and pseudoknots: there a strand of the loop is itself half of a helix. What is left out for what the
-file shows is told in :attr:`Hairpins.remarks`; a user who names the loop gets it all the same.
+file shows is stated in :attr:`Hairpins.remarks`; a user who names the loop gets it all the same.
 """
 
 from __future__ import annotations
@@ -18,40 +18,19 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array, Record
+from loopelastica._checks import texts, whole
 from loopelastica.errors import StructureError
-from loopelastica.molecule._loops import asked_loop, closing_pairs, pairs_of, stem_length
-from loopelastica.molecule.nucleotides import (
-    Nucleotides,
-    Structure,
-    enumerated,
-    linked,
-    read_structure,
-)
+from loopelastica.molecule._loops import closing_pairs, named_loop, pairs_of, stem_length
+from loopelastica.molecule.nucleotides import Nucleotides, enumerated, linked, read_structure
 from loopelastica.molecule.pairs import MIN_LOOP, canonical_pairs, dot_bracket
-from loopelastica.molecule.selection import (
-    Place,
-    as_texts,
-    asked_pairs,
-    bracket_pairs,
-    ends_of,
-)
-
-__all__ = [
-    "MAX_LOOP",
-    "MIN_LOOP",
-    "Hairpin",
-    "Hairpins",
-    "canonical_pairs",
-    "dot_bracket",
-    "find_hairpins",
-    "hairpins_of",
-]
+from loopelastica.molecule.selection import Place, bracket_pairs, ends_of, named_pairs
 
 MAX_LOOP: Final = 30
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Hairpin:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Hairpin(Record):
     """One hairpin loop and the stem that holds it; arrays are rows of :class:`Nucleotides`.
 
     Attributes
@@ -96,13 +75,23 @@ class Hairpin:
     stem_5: NDArray[np.int64]
     stem_3: NDArray[np.int64]
 
-    def __post_init__(self) -> None:
-        for values in (self.loop, self.resid, self.icode, self.stem_5, self.stem_3):
-            values.setflags(write=False)
+    def __repr__(self) -> str:
+        stem = "a stem of one pair" if self.n_pairs == 1 else f"a stem of {self.n_pairs} pairs"
+        return f"<Hairpin {self.name} {self.sequence}: {self.kind}, {len(self)} nt on {stem}>"
 
     def __len__(self) -> int:
         """Return the number of loop nucleotides."""
         return len(self.loop)
+
+    @property
+    def label(self) -> str:
+        """The closing pair, such as "A.C5–A.G10"."""
+        return "–".join(self.closing_pair)
+
+    @property
+    def kind(self) -> str:
+        """The stem's kind: "DNA" or "RNA"."""
+        return "DNA" if self.is_dna else "RNA"
 
     @property
     def n_pairs(self) -> int:
@@ -118,7 +107,7 @@ class Hairpins(list[Hairpin]):
     dot_bracket : str
         Secondary structure, a character per nucleotide of the structure.
     remarks : tuple of str
-        One sentence for each loop that was left out, asked for, or pairs with another one.
+        One sentence for each loop that was left out, was named, or pairs with another one.
     """
 
     __slots__ = ("dot_bracket", "remarks")
@@ -132,7 +121,7 @@ class Hairpins(list[Hairpin]):
 
 
 def find_hairpins(
-    source: Any,
+    structure: Any,
     *,
     min_loop: int = MIN_LOOP,
     max_loop: int = MAX_LOOP,
@@ -140,12 +129,12 @@ def find_hairpins(
     dot_bracket: str | None = None,
     loop: str | Sequence[str] = (),
 ) -> Hairpins:
-    """Hairpin loops of the first model of a file, a Universe or a Structure.
+    """Hairpin loops of the first model of a file, or of the current frame of a Universe.
 
     Parameters
     ----------
-    source : path, MDAnalysis.Universe or Structure
-        Where to look.
+    structure : path, MDAnalysis.Universe, MDAnalysis.AtomGroup or Structure
+        Where to look; of a group of atoms, only its own nucleotides pair and count.
     min_loop, max_loop : int
         Fewest and most loop nucleotides.
     pair : str or sequence of str
@@ -155,10 +144,9 @@ def find_hairpins(
         Secondary structure in place of the pairs of the coordinates: a character per nucleotide in
         the order of the file.
     loop : str or sequence of str
-        First and last nucleotide of the loops that are wanted, such as "A.13-24"; then only these
-        are given. Their neighbours 12 and 25 close them, whatever they pair with, and must be in
-        the file. Where loop nucleotides are absent from the file, the numbers tell how many there
-        are.
+        First and last nucleotide of loops such as "A.13-24"; then only these are given. Their
+        neighbours 12 and 25 close them, whatever they pair with, and must be in the file. Where
+        loop nucleotides are absent from the file, their numbers say how many there are.
 
     Returns
     -------
@@ -179,16 +167,13 @@ def find_hairpins(
     ...     print(hairpin.name, hairpin.sequence, hairpin.closing_pair, hairpin.n_pairs)
     A6-9 CUUCGG ('A.C5', 'A.G10') 5
     """
-    structure: Structure = read_structure(source)
+    structure = read_structure(structure)
+    least = whole(1)("min_loop", min_loop)
+    limits = least, whole(least)("max_loop", max_loop)
+    named, pairs = texts("loop", loop), texts("pair", pair)
     try:
-        return hairpins_of(
-            structure.nucleotides,
-            structure.positions(0),
-            min_loop=min_loop,
-            max_loop=max_loop,
-            pair=pair,
-            dot_bracket=dot_bracket,
-            loop=loop,
+        return _hairpins(
+            structure.nucleotides, structure.positions(0), limits, pairs, dot_bracket, named
         )
     except StructureError as error:
         where = structure.source or structure.name
@@ -198,72 +183,66 @@ def find_hairpins(
         ) from None
 
 
-def hairpins_of(
+def _hairpins(
     nucleotides: Nucleotides,
-    positions: NDArray[np.float64],
-    *,
-    min_loop: int = MIN_LOOP,
-    max_loop: int = MAX_LOOP,
-    pair: str | Sequence[str] = (),
-    dot_bracket: str | None = None,
-    loop: str | Sequence[str] = (),
+    positions: Array,
+    limits: tuple[int, int],
+    pair: Sequence[str],
+    dot_bracket: str | None,
+    loop: Sequence[str],
 ) -> Hairpins:
-    """Hairpin loops of one model, in the order of the file; see :func:`find_hairpins`."""
-    if not 1 <= min_loop <= max_loop:
-        raise ValueError(f"`min_loop` is {min_loop}, not between 1 and `max_loop` = {max_loop}")
-    wanted = [ends_of(nucleotides, "loop", text) for text in as_texts(loop)]
+    named = [ends_of(nucleotides, "loop", text) for text in loop]
     if dot_bracket is None:
-        pairs, told = canonical_pairs(nucleotides, positions), set[tuple[int, int]]()
+        pairs, given = canonical_pairs(nucleotides, positions), set[tuple[int, int]]()
     else:
         pairs = bracket_pairs(nucleotides, dot_bracket)
-        told = {(i, j) for i, j in pairs.tolist()}
+        given = {(i, j) for i, j in pairs.tolist()}
     partner = np.full(len(nucleotides), -1, dtype=np.int64)
     partner[pairs[:, 0]], partner[pairs[:, 1]] = pairs[:, 1], pairs[:, 0]
-    for i, j in asked_pairs(nucleotides, as_texts(pair)):
+    for i, j in named_pairs(nucleotides, pair):
         former = partner[[i, j]]
         partner[former[former >= 0]] = -1
         partner[i], partner[j] = j, i
-        told.add((i, j))
+        given.add((i, j))
     joined = linked(nucleotides, positions)
-    if wanted:
-        return _asked(nucleotides, partner, joined, wanted)
-    return _found(nucleotides, positions, partner, joined, told, min_loop, max_loop)
+    if named:
+        return _named(nucleotides, partner, joined, named)
+    return _found(nucleotides, positions, partner, joined, given, limits)
 
 
 def _found(
     nucleotides: Nucleotides,
-    positions: NDArray[np.float64],
+    positions: Array,
     partner: NDArray[np.int64],
     joined: NDArray[np.bool_],
-    told: set[tuple[int, int]],
-    min_loop: int,
-    max_loop: int,
+    given: set[tuple[int, int]],
+    limits: tuple[int, int],
 ) -> Hairpins:
-    """Loops that the pairs close; pairs `told` by the user close one at any length."""
-    kept, remarks = closing_pairs(nucleotides, positions, partner, joined, told, min_loop, max_loop)
+    """Loops that the pairs close; pairs `given` by the user close one at any length."""
+    kept, remarks = closing_pairs(nucleotides, positions, partner, joined, given, limits)
     loop_of = {row: (i, j) for i, j in kept for row in range(i + 1, j)}
     hairpins = [
         _hairpin(nucleotides, partner, joined, i, j, np.arange(i + 1, j), loop_of) for i, j in kept
     ]
-    told_of: set[str] = set()
+    before: set[str] = set()
     for hairpin in hairpins:
-        # Of two loops that kiss, the first one tells.
-        if not told_of.issuperset(hairpin.kissing) or not hairpin.kissing:
+        # Two loops that kiss get one remark, the first one's.
+        if not before.issuperset(hairpin.kissing) or not hairpin.kissing:
             remarks += _contacts(hairpin)
-        told_of.add(hairpin.name)
+        before.add(hairpin.name)
     return Hairpins(hairpins, dot_bracket(len(nucleotides), np.array(pairs_of(partner))), remarks)
 
 
-def _asked(
+def _named(
     nucleotides: Nucleotides,
     partner: NDArray[np.int64],
     joined: NDArray[np.bool_],
-    wanted: list[tuple[Place, Place]],
+    named: list[tuple[Place, Place]],
 ) -> Hairpins:
     """Loops that the user names by their first and last nucleotide."""
     hairpins, remarks = [], []
-    for first, last in wanted:
-        i, j, loop = asked_loop(nucleotides, joined, first, last)
+    for first, last in named:
+        i, j, loop = named_loop(nucleotides, joined, first, last)
         hairpin = _hairpin(nucleotides, partner, joined, i, j, loop, {})
         hairpins.append(hairpin)
         absent = int((loop < 0).sum())
@@ -274,15 +253,15 @@ def _asked(
             )
         if partner[i] != j:
             remarks.append(
-                f"{hairpin.name}: {'–'.join(hairpin.closing_pair)} is no pair by the coordinates,"
-                " the loop is clamped there as asked"
+                f"{hairpin.name}: {hairpin.label} is no pair by the coordinates, the loop is"
+                " clamped there as requested"
             )
         remarks += _contacts(hairpin)
     return Hairpins(hairpins, dot_bracket(len(nucleotides), np.array(pairs_of(partner))), remarks)
 
 
 def _contacts(hairpin: Hairpin) -> Iterator[str]:
-    """Say that a loop pairs with something else, which its stem does not tell."""
+    """Say that a loop pairs with something else, which its stem does not show."""
     if hairpin.contacts:
         pairs = enumerated(["–".join(pair) for pair in hairpin.contacts])
         what = f"kisses {' and '.join(hairpin.kissing)}" if hairpin.kissing else "pairs outside"
@@ -303,7 +282,7 @@ def _hairpin(
     loop: NDArray[np.int64],
     loop_of: dict[int, tuple[int, int]],
 ) -> Hairpin:
-    """The hairpin closed by rows i and j; `loop_of` tells the closing rows of each loop row."""
+    """The hairpin closed by rows i and j; `loop_of` holds the closing rows of each loop row."""
     n_pairs = stem_length(partner, joined, i, j)
     stem_5, stem_3 = i - np.arange(n_pairs), j + np.arange(n_pairs)
     label, chain = nucleotides.label, str(nucleotides.chain[i])

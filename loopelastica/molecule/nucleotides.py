@@ -1,4 +1,4 @@
-"""The door: a file or a Universe becomes a table of nucleotides and positions, model by model.
+"""A file, a Universe or an AtomGroup becomes a table of nucleotides, and positions by model.
 
 >>> from loopelastica._files import data_path
 >>> structure = read_structure(data_path("hairpins/2koc.pdb"))
@@ -17,12 +17,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.molecule._recognition import recognize
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
 from loopelastica.molecule.reading import (
     Frames,
-    TrajectoryFrames,
+    TableFrames,
     first_line,
     is_pdb,
     open_file,
@@ -63,13 +64,13 @@ class Structure:
     name : str
         File name, or "universe".
     source : str or None
-        Path as given, None for a Universe.
+        Path as given, None for a Universe or an AtomGroup.
     nucleotides : Nucleotides
         Table of the nucleotides, the same for every model.
     universe : MDAnalysis.Universe
         All atoms; `nucleotides.atom_index` counts in them.
     remarks : tuple of str
-        One sentence for each choice made in reading that a user should know of.
+        One sentence for each choice made in reading that a user should be aware of.
     """
 
     name: str
@@ -81,13 +82,13 @@ class Structure:
 
     @property
     def n_models(self) -> int:
-        """Number of models, or of frames of a trajectory."""
+        """Number of models of a file; 1 for the current frame of a Universe."""
         return self._frames.n_models
 
-    def positions(self, model: int = 0) -> NDArray[np.float64]:
+    def positions(self, model: int = 0) -> Array:
         """Positions (n_atoms, 3) of all atoms of one model, Å, read-only.
 
-        MDAnalysis keeps single precision: positions have about 1e-5 Å, more than any file tells.
+        MDAnalysis keeps single precision: positions have about 1e-5 Å, more than any file has.
         A model that lacks atoms of the first one has NaN rows there.
 
         Raises
@@ -111,19 +112,25 @@ class Structure:
         positions.setflags(write=False)
         return positions
 
-    def models(self) -> Iterator[NDArray[np.float64]]:
+    def models(self) -> Iterator[Array]:
         """Positions of each model in turn; one model is in memory at a time."""
         for model in range(self.n_models):
             yield self.positions(model)
 
 
 def read_structure(source: Any) -> Structure:
-    """Read a file or take an MDAnalysis Universe.
+    """Read a file, or take a Universe or an AtomGroup in its current frame.
 
     Parameters
     ----------
-    source : path, MDAnalysis.Universe or Structure
-        PDB or mmCIF (also gzipped), or whatever MDAnalysis reads; a Structure is returned as it is.
+    source : path, MDAnalysis.Universe, MDAnalysis.AtomGroup or Structure
+        PDB or mmCIF (also gzipped), or whatever MDAnalysis reads, with all its models; a Universe,
+        or a group of its atoms, in the frame its trajectory is at, which is the only model; a
+        Structure is returned as it is.
+
+    Returns
+    -------
+    Structure
 
     Raises
     ------
@@ -133,10 +140,6 @@ def read_structure(source: Any) -> Structure:
         If mmCIF is to be read without gemmi.
     ValueError
         If `source` is none of these.
-
-    Notes
-    -----
-    A Universe is given back at the frame it was at.
     """
     if isinstance(source, Structure):
         return source
@@ -144,22 +147,24 @@ def read_structure(source: Any) -> Structure:
     if isinstance(source, str | os.PathLike):
         path = Path(source)
         universe, frames = open_file(path)
-        name, where = path.name, str(path)
-    elif getattr(source, "universe", None) is source:
-        if not hasattr(source, "trajectory"):
+        atoms, name, where = universe.atoms, path.name, str(path)
+    elif hasattr(source, "universe") and hasattr(source, "atoms"):
+        universe, atoms, name, where = source.universe, source.atoms.unique, "universe", None
+        if not hasattr(universe, "trajectory"):
             raise StructureError("universe: it has no coordinates")
-        universe, frames = source, TrajectoryFrames(source)
-        name, where = "universe", None
+        frames = TableFrames((np.array(universe.atoms.positions, dtype=np.float64),), True)
     else:
-        raise ValueError(f"`source` is neither a path nor a Universe but {type(source).__name__}")
+        raise ValueError(
+            f"`source` is neither a path nor a Universe nor an AtomGroup but"
+            f" {type(source).__name__}"
+        )
     with quiet():
         if not hasattr(universe.atoms, "names"):
             raise StructureError(f"{where or name}: the atoms have no names")
-        nucleotides = recognize(universe)
+        nucleotides = recognize(atoms)
     if len(nucleotides) == 0:
-        raise StructureError(
-            f"{where or name}: no nucleotide found among {len(universe.residues)} residues"
-        )
+        n_residues = len(atoms.residues)
+        raise StructureError(f"{where or name}: no nucleotide found among {n_residues} residues")
     remarks = tuple(_remarks(nucleotides, frames))
     structure = Structure(name, where, nucleotides, universe, remarks, frames)
     structure.positions(0)
@@ -182,6 +187,19 @@ def _remarks(nucleotides: Nucleotides, frames: Frames) -> Iterator[str]:
 def enumerated(names: Sequence[str], most: int = 8) -> str:
     """Names joined by commas, the surplus over `most` as a number.
 
+    Parameters
+    ----------
+    names : sequence of str
+        What is listed.
+    most : int
+        How many of them by name.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
     >>> enumerated(["a", "b", "c", "d"], most=2)
     'a, b and 2 more'
     """
@@ -190,11 +208,7 @@ def enumerated(names: Sequence[str], most: int = 8) -> str:
 
 
 def _check_positions(
-    name: str,
-    model: int,
-    nucleotides: Nucleotides,
-    positions: NDArray[np.float64],
-    frames: Frames,
+    name: str, model: int, nucleotides: Nucleotides, positions: Array, frames: Frames
 ) -> None:
     """Refuse coordinates that are no numbers, or placeholders at the origin."""
     where = f"{name}, model {model + 1}" if frames.n_models > 1 else name
@@ -212,9 +226,7 @@ def _check_positions(
         raise StructureError(f"{where}: {count} at the origin, the coordinates are placeholders")
 
 
-def atom_positions(
-    nucleotides: Nucleotides, positions: NDArray[np.float64], names: Sequence[str]
-) -> NDArray[np.float64]:
+def atom_positions(nucleotides: Nucleotides, positions: Array, names: Sequence[str]) -> Array:
     """Positions (n, len(names), 3) of the named atoms of all nucleotides, NaN where missing.
 
     Parameters
@@ -225,6 +237,11 @@ def atom_positions(
         All atoms of one model, Å.
     names : sequence of str
         Names among ``ATOM_NAMES``.
+
+    Returns
+    -------
+    (n, len(names), 3) array
+        Å.
     """
     index = nucleotides.columns(names)
     found = np.asarray(positions, dtype=np.float64)[index]
@@ -232,8 +249,15 @@ def atom_positions(
     return found
 
 
-def linked(nucleotides: Nucleotides, positions: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell for each nucleotide but the last whether the chain goes on to the next one.
+def linked(nucleotides: Nucleotides, positions: Array) -> NDArray[np.bool_]:
+    """Whether the chain goes on from each nucleotide but the last to the next one.
+
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Table of n nucleotides.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
 
     Returns
     -------
@@ -252,16 +276,40 @@ def linked(nucleotides: Nucleotides, positions: NDArray[np.float64]) -> NDArray[
     return np.asarray(joined & same_chain, dtype=np.bool_)
 
 
-def centroids(nucleotides: Nucleotides, positions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Mean (n, 3) of P O5' C5' C4' C3' O3' of each nucleotide, Å; NaN where one is missing."""
-    mean: NDArray[np.float64] = atom_positions(nucleotides, positions, BACKBONE).mean(axis=1)
+def centroids(nucleotides: Nucleotides, positions: Array) -> Array:
+    """Mean (n, 3) of P O5' C5' C4' C3' O3' of each nucleotide, Å; NaN where one is missing.
+
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Table of n nucleotides.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
+
+    Returns
+    -------
+    (n, 3) array
+    """
+    mean: Array = atom_positions(nucleotides, positions, BACKBONE).mean(axis=1)
     return mean
 
 
-def centroids_at(
-    nucleotides: Nucleotides, positions: NDArray[np.float64], rows: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Centroids (len(rows), 3) of some nucleotides, Å; NaN for the row −1 of an absent one."""
+def centroids_at(nucleotides: Nucleotides, positions: Array, rows: NDArray[np.int64]) -> Array:
+    """Centroids (len(rows), 3) of some nucleotides, Å; NaN for the row −1 of an absent one.
+
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Table of n nucleotides.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
+    rows : (m,) array of int
+        Rows of the table.
+
+    Returns
+    -------
+    (m, 3) array
+    """
     found = centroids(nucleotides, positions)[rows]
     found[np.asarray(rows) < 0] = np.nan
     return found

@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.errors import MissingDependencyError, StructureError
 
 _OPENERS: dict[str, Any] = {".gz": gzip.open, ".bz2": bz2.open}
@@ -44,13 +44,13 @@ class Frames(Protocol):
     def complete(self) -> bool:
         """Whether every model has every atom (NaN stands for an absent one)."""
 
-    def model(self, k: int) -> NDArray[np.float64]:
+    def model(self, k: int) -> Array:
         """Positions (n_atoms, 3) of model k, Å."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrajectoryFrames:
-    """The frames of a Universe, read when asked for."""
+    """The frames of the Universe of a file, each read when it is needed."""
 
     universe: Any
     complete: bool = True
@@ -60,26 +60,18 @@ class TrajectoryFrames:
         """Number of frames."""
         return int(self.universe.trajectory.n_frames)
 
-    def model(self, k: int) -> NDArray[np.float64]:
-        """Positions of frame k; the Universe is given back at the frame it was at."""
-        trajectory = self.universe.trajectory
-        current = trajectory.frame
-        # Seeking to the current frame would reread it and lose positions a user has set.
-        if k == current:
-            return np.array(self.universe.atoms.positions, dtype=np.float64)
+    def model(self, k: int) -> Array:
+        """Positions of frame k."""
         with quiet():
-            try:
-                trajectory[k]
-                return np.array(self.universe.atoms.positions, dtype=np.float64)
-            finally:
-                trajectory[current]
+            self.universe.trajectory[k]
+        return np.array(self.universe.atoms.positions, dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TableFrames:
-    """Models read by this module, all in memory."""
+    """Models whose positions are all in memory."""
 
-    tables: tuple[NDArray[np.float64], ...]
+    tables: tuple[Array, ...]
     complete: bool
 
     @property
@@ -87,7 +79,7 @@ class TableFrames:
         """Number of models."""
         return len(self.tables)
 
-    def model(self, k: int) -> NDArray[np.float64]:
+    def model(self, k: int) -> Array:
         """Positions of model k."""
         return np.array(self.tables[k])
 
@@ -165,10 +157,10 @@ def _bytes(path: Path) -> bytes:
     if not path.exists():
         raise StructureError(f"{path}: there is no such file")
     opener = _OPENERS.get(path.suffix.lower(), open)
-    wanted = -1 if _kind(path) in (*_PDB, *_MMCIF) else 1
+    size = -1 if _kind(path) in (*_PDB, *_MMCIF) else 1
     try:
         with opener(path, "rb") as stream:
-            return bytes(stream.read(wanted))
+            return bytes(stream.read(size))
     except EOFError:
         raise StructureError(f"{path}: the compressed file is cut short") from None
     except PermissionError:
@@ -198,7 +190,7 @@ def _universe(path: Path, source: Any, **kwargs: Any) -> Any:
 
 @dataclass(slots=True)
 class _Model:
-    """The atom records of one model; `closed` tells whether its ENDMDL was seen."""
+    """The atom records of one model; `closed` once its ENDMDL was seen."""
 
     lines: list[str] = field(default_factory=list)
     closed: bool = False
@@ -271,9 +263,7 @@ def _identities(lines: list[str]) -> Iterator[tuple[str, int]]:
         seen[identity] += 1
 
 
-def _matched(
-    lines: list[str], order: dict[tuple[str, int], int], n_atoms: int
-) -> NDArray[np.float64]:
+def _matched(lines: list[str], order: dict[tuple[str, int], int], n_atoms: int) -> Array:
     """Positions of one model in the atom order of the first; NaN where it lacks an atom."""
     positions = np.full((n_atoms, 3), np.nan)
     for line, key in zip(lines, _identities(lines), strict=True):

@@ -1,4 +1,4 @@
-"""Pairs and loops that a user names, where other data tell what the coordinates do not.
+"""Pairs and loops that a user names, where other data show what the coordinates do not.
 
 A place is a chain and a number, ``A.12``, with its insertion code, ``A.3B``; residue names may be
 given as they are printed, ``A.DG3^B``. The chain is left out where the file has none, and after the
@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._checks import text as _text
 from loopelastica.errors import StructureError
 from loopelastica.molecule.nucleotides import Nucleotides
 from loopelastica.molecule.pairs import BRACKETS
@@ -43,15 +44,28 @@ class Place(NamedTuple):
 def two_places(argument: str, text: str) -> tuple[Place, Place]:
     """Two places joined by a hyphen.
 
-    >>> [str(place) for place in two_places("pair", "A.12-A.25")]
-    ['A.12', 'A.25']
-    >>> [str(place) for place in two_places("loop", "A.-3-4B")]
-    ['A.-3', '4B']
+    Parameters
+    ----------
+    argument : str
+        Name of the option that `text` comes from.
+    text : str
+        Such as "A.12-A.25".
+
+    Returns
+    -------
+    first, last : Place
 
     Raises
     ------
     ValueError
         If `text` is nothing of that form; the message names `argument`.
+
+    Examples
+    --------
+    >>> [str(place) for place in two_places("pair", "A.12-A.25")]
+    ['A.12', 'A.25']
+    >>> [str(place) for place in two_places("loop", "A.-3-4B")]
+    ['A.-3', '4B']
     """
     halves = _TWO.fullmatch(text.strip())
     matches = [_PLACE.fullmatch(half.strip()) for half in halves.groups()] if halves else []
@@ -68,6 +82,17 @@ def ends_of(nucleotides: Nucleotides, argument: str, text: str) -> tuple[Place, 
 
     The name of a hairpin, such as A6-9, is understood too, unless A is the base of a nucleotide 6.
 
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Where to look for the chain.
+    argument, text : str
+        As for :func:`two_places`.
+
+    Returns
+    -------
+    first, last : Place
+
     Raises
     ------
     ValueError
@@ -80,15 +105,19 @@ def ends_of(nucleotides: Nucleotides, argument: str, text: str) -> tuple[Place, 
     return first, last if last.chain is not None else last._replace(chain=first.chain)
 
 
-def as_texts(argument: str | Sequence[str]) -> tuple[str, ...]:
-    """One text or several, as a tuple."""
-    return (argument,) if isinstance(argument, str) else tuple(argument)
-
-
 def rows_at(nucleotides: Nucleotides, place: Place) -> list[int]:
     """Rows of the nucleotides at a place: none where it is absent, several where it is ambiguous.
 
-    A residue name, where given, must be the one of the file.
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Where to look.
+    place : Place
+        A residue name, where given, must be the one of the file.
+
+    Returns
+    -------
+    list of int
     """
     here = (nucleotides.resid == place.number) & (nucleotides.icode == place.icode)
     if place.chain is not None:
@@ -101,10 +130,23 @@ def rows_at(nucleotides: Nucleotides, place: Place) -> list[int]:
 def row_at(nucleotides: Nucleotides, place: Place, consequence: str) -> int:
     """The one row at a place.
 
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Where to look.
+    place : Place
+        Which nucleotide.
+    consequence : str
+        What follows if it is not there: the end of the message.
+
+    Returns
+    -------
+    int
+
     Raises
     ------
     StructureError
-        If there is none, or more than one; the message ends in `consequence`.
+        If there is none, or more than one.
     """
     rows = rows_at(nucleotides, place)
     if len(rows) > 1:
@@ -115,8 +157,19 @@ def row_at(nucleotides: Nucleotides, place: Place, consequence: str) -> int:
     return rows[0]
 
 
-def asked_pairs(nucleotides: Nucleotides, texts: Sequence[str]) -> list[tuple[int, int]]:
+def named_pairs(nucleotides: Nucleotides, texts: Sequence[str]) -> list[tuple[int, int]]:
     """Rows i < j of pairs such as "A.12-A.25".
+
+    Parameters
+    ----------
+    nucleotides : Nucleotides
+        Where to look.
+    texts : sequence of str
+        The pairs.
+
+    Returns
+    -------
+    list of (int, int)
 
     Raises
     ------
@@ -146,14 +199,18 @@ def bracket_pairs(nucleotides: Nucleotides, text: str) -> NDArray[np.int64]:
         A character per nucleotide in the order of the file: ``( [ { < A B C`` open, ``) ] } > a b
         c`` close, any other stays single. Spaces and ``& + |`` between chains do not count.
 
+    Returns
+    -------
+    (m, 2) array of int
+
     Raises
     ------
     ValueError
-        If a bracket has no partner.
+        If `text` is no text, or a bracket has no partner.
     StructureError
         If the length is not the number of nucleotides.
     """
-    text = _SEPARATORS.sub("", text)
+    text = _SEPARATORS.sub("", _text("dot_bracket", text))
     opening = {a: k for k, (a, _) in enumerate(BRACKETS)}
     closing = {b: k for k, (_, b) in enumerate(BRACKETS)}
     open_rows: list[list[int]] = [[] for _ in BRACKETS]

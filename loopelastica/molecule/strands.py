@@ -17,11 +17,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+
+from loopelastica._arrays import Array, Record
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Strand:
+class Strand(Record):
     """One ideal strand, its helix axis along z.
 
     Attributes
@@ -40,14 +41,11 @@ class Strand:
     """
 
     name: str
-    atoms: NDArray[np.float64]
+    atoms: Array
     turn_deg: float
     rise_A: float
     length_per_nucleotide_A: float
     fitted_nucleotides: int
-
-    def __post_init__(self) -> None:
-        self.atoms.setflags(write=False)
 
 
 B_DNA: Final = Strand(
@@ -99,11 +97,24 @@ def ideal_strand(is_dna: bool) -> Strand:
     return B_DNA if is_dna else A_RNA
 
 
-def strand_atoms(strand: Strand, k: int) -> NDArray[np.float64]:
+def strand_atoms(strand: Strand, k: int) -> Array:
     """Cartesian positions (6, 3) of P O5' C5' C4' C3' O3' of nucleotide k, Å.
 
     Nucleotides count 5' to 3'; k may be negative.
 
+    Parameters
+    ----------
+    strand : Strand
+        Which ideal strand.
+    k : int
+        Number of the nucleotide, 5' to 3'; may be negative.
+
+    Returns
+    -------
+    (6, 3) array
+
+    Examples
+    --------
     >>> o3, next_p = strand_atoms(B_DNA, 0)[5], strand_atoms(B_DNA, 1)[0]
     >>> print(f"{np.linalg.norm(next_p - o3):.2f}")
     1.59
@@ -134,9 +145,7 @@ def line_length_A(strand: Strand) -> float:
     return float(np.hypot(line_cylinder(strand)[0] * np.deg2rad(strand.turn_deg), strand.rise_A))
 
 
-def line_frame(
-    strand: Strand, phase: float, taper: float = 0.0
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def line_frame(strand: Strand, phase: float, taper: float = 0.0) -> tuple[Array, Array]:
     """Point and Darboux frame of the helix line through the centroids, or of its tapered form.
 
     The tapered line is the helix down to phase 0. Beyond, at k = −phase > 0 nucleotides from the

@@ -7,14 +7,13 @@ n + 0.5, so that loop nucleotide k = 1 … n lies at the arc position (k − ½)
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from loopelastica.errors import StructureError
+from loopelastica._arrays import Array, read_only
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.nucleotides import Nucleotides, centroids_at
 
 
-def loop_arc_positions(n: int) -> NDArray[np.float64]:
+def loop_arc_positions(n: int) -> Array:
     """Arc positions (n,) of the loop nucleotides along the rod, as fractions of its length.
 
     >>> print(loop_arc_positions(4))
@@ -31,11 +30,8 @@ def loop_arc_positions(n: int) -> NDArray[np.float64]:
 
 
 def to_file_coordinates(
-    centerline: NDArray[np.float64],
-    start_origin_A: NDArray[np.float64],
-    start_frame: NDArray[np.float64],
-    length_A: float,
-) -> NDArray[np.float64]:
+    centerline: Array, start_origin_A: Array, start_frame: Array, length_A: float
+) -> Array:
     """Line of unit length in its start frame → Å in the coordinates of the file.
 
     Parameters
@@ -49,6 +45,11 @@ def to_file_coordinates(
     length_A : float
         Length of the rod.
 
+    Returns
+    -------
+    (..., 3) array
+        Å.
+
     Examples
     --------
     >>> to_file_coordinates(np.array([0.0, 0.0, 0.5]), np.ones(3), np.eye(3), 24.0).tolist()
@@ -58,7 +59,7 @@ def to_file_coordinates(
     return np.asarray(start_origin_A + length_A * (centerline @ np.asarray(start_frame).T))
 
 
-def smoothed_line(centroids_A: NDArray[np.float64], n_points: int) -> NDArray[np.float64]:
+def smoothed_line(centroids_A: Array, n_points: int) -> Array:
     """Smooth line through the native backbone, for drawing and comparing.
 
     Parameters
@@ -66,7 +67,7 @@ def smoothed_line(centroids_A: NDArray[np.float64], n_points: int) -> NDArray[np
     centroids_A : (n + 2, 3) array
         Centroids from the 5' closing nucleotide to the 3' closing one, Å.
     n_points : int
-        Points wanted, evenly spaced in phase.
+        Number of points, evenly spaced in phase.
 
     Returns
     -------
@@ -93,38 +94,48 @@ def smoothed_line(centroids_A: NDArray[np.float64], n_points: int) -> NDArray[np
     return np.asarray(spline(np.linspace(0.5, last - 0.5, n_points)), dtype=np.float64)
 
 
-def native_line(
-    nucleotides: Nucleotides, hairpin: Hairpin, positions: NDArray[np.float64], n_points: int = 100
-) -> NDArray[np.float64]:
-    """Smoothed native backbone (n_points, 3) of a loop, Å; see :func:`smoothed_line`.
+def native_backbone(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array) -> Array | None:
+    """The file's own loop, for comparison only.
 
-    Raises
-    ------
-    StructureError
-        If a nucleotide from closing to closing lacks one of the six backbone atoms.
+    Parameters
+    ----------
+    nucleotides, hairpin
+        What was read, and which of its loops.
+    positions : (n_atoms, 3) array
+        All atoms of one model, Å.
+
+    Returns
+    -------
+    (n + 2, 3) array or None
+        Centroids from closing to closing nucleotide, Å; None if one is not in the file.
     """
     rows = np.concatenate([hairpin.stem_5[:1], hairpin.loop, hairpin.stem_3[:1]])
-    points = centroids_at(nucleotides, positions, rows)
-    unknown = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(unknown):
-        first, last = hairpin.closing_pair
-        label = (first, *hairpin.residues, last)[unknown[0]]
-        raise StructureError(
-            f"{label}: a backbone atom is missing; the native line of the loop cannot be drawn"
-        )
-    return smoothed_line(points, n_points)
+    backbone = centroids_at(nucleotides, positions, rows)
+    return read_only(backbone) if np.isfinite(backbone).all() else None
 
 
-def rmsd_A(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+def rmsd_A(a: Array, b: Array) -> float:
     """Root mean square distance of two (n, 3) sets of points where they are, not superposed.
 
-    >>> rmsd_A(np.zeros((2, 3)), np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]))
-    3.5355339059327378
+    Parameters
+    ----------
+    a, b : (n, 3) array
+        Å.
+
+    Returns
+    -------
+    float
+        Å.
 
     Raises
     ------
     ValueError
         If the shapes differ or there is no point.
+
+    Examples
+    --------
+    >>> rmsd_A(np.zeros((2, 3)), np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]))
+    3.5355339059327378
     """
     a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
     if a.shape != b.shape or a.size == 0:

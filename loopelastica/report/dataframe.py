@@ -1,32 +1,36 @@
-"""Folds as a table of pandas, which is loaded when the first one is made."""
+"""Results as tables of pandas, which is loaded when the first one is made."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+import importlib
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
 
-from loopelastica.folding.fold import LoopFold
-from loopelastica.report.folder import loop_record, record
-from loopelastica.report.pandas import pandas
+from loopelastica.errors import MissingDependencyError
+from loopelastica.folding.result import LoopFold
+from loopelastica.report.records import candidate_row, loop_row
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from loopelastica.folding.trajectory import LoopElastica
 
-def to_dataframe(folds: Iterable[LoopFold]) -> DataFrame:
-    """Candidates of folded loops as a pandas table, a row each, in the columns of ranking.csv.
+
+def to_dataframe(results: Iterable[LoopFold] | LoopElastica) -> DataFrame:
+    """Folded loops as a pandas table, or an analysis that ran.
 
     Parameters
     ----------
-    folds : iterable of LoopFold
-        What :func:`fold` returns, of one structure or of several.
+    results : iterable of LoopFold, or LoopElastica
+        What :func:`fold` returns, of one structure or of several: a row per candidate. Or an
+        analysis of a trajectory that ran: a row per frame and loop.
 
     Returns
     -------
     pandas.DataFrame
-        Lengths in Å, energies as in :class:`Candidate`; the last column, ``failure``, is the reason
-        where a loop could not be folded, which is a row without candidate. What is not there is
-        missing (``None`` or ``NaN``).
+        Of folds in the columns of ranking.csv: lengths in Å, energies as in :class:`Candidate`; the
+        last column, ``failure``, is the reason where a loop could not be folded, which is a row
+        without candidate. What is not there is missing (``None`` or ``NaN``).
 
     Raises
     ------
@@ -41,11 +45,23 @@ def to_dataframe(folds: Iterable[LoopFold]) -> DataFrame:
     >>> print(table.loc[0, "sequence"], round(table.loc[0, "rmsd_A"], 2))
     CUUCGG 2.12
     """
-    module = pandas()
-    rows = []
-    for fold in folds:
-        rows += [{**record(fold, candidate), "failure": None} for candidate in fold.candidates]
-        if fold.failure is not None:
-            rows.append({**loop_record(fold), "failure": fold.failure})
-    table: DataFrame = module.DataFrame(rows)
+    rows = _fold_rows(results) if isinstance(results, Iterable) else results.records()
+    table: DataFrame = _pandas().DataFrame(list(rows))
     return table
+
+
+def _fold_rows(folds: Iterable[LoopFold]) -> Iterator[dict[str, Any]]:
+    for fold in folds:
+        for candidate in fold.candidates:
+            yield {**loop_row(fold), **candidate_row(candidate), "failure": None}
+        if fold.failure is not None:
+            yield {**loop_row(fold), "failure": fold.failure}
+
+
+def _pandas() -> Any:
+    try:
+        return importlib.import_module("pandas")
+    except ImportError:
+        raise MissingDependencyError(
+            "tables need pandas; install it with `pip install loopelastica[table]`"
+        ) from None

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from loopelastica._version import __version__
+from loopelastica._files import sha256
 from loopelastica.errors import StructureError
 from loopelastica.molecule.clamp_rule import STEM_RMS_MAX_A
 from loopelastica.molecule.ends import stem_ends
 from loopelastica.molecule.hairpins import Hairpin, Hairpins
 from loopelastica.molecule.nucleotides import Structure, enumerated
-from loopelastica.report.folder import sha256
+from loopelastica.report.records import about, partners, program
 
 _PLAIN = {"A", "C", "G", "U", "DA", "DC", "DG", "DT", "DU"}
 
@@ -28,12 +28,16 @@ def listing(structure: Structure, hairpins: Hairpins) -> dict[str, Any]:
         What was read.
     hairpins : Hairpins
         What was found in it.
+
+    Returns
+    -------
+    dict
+        Input, chains, modified residues, remarks and hairpins; lengths in Å.
     """
     table = structure.nucleotides
     source = None if structure.source is None else Path(structure.source)
     return {
-        "program": "loopelastica",
-        "version": __version__,
+        **program(),
         "input": {
             "file": structure.name,
             "sha256": None if source is None else sha256(source),
@@ -50,7 +54,16 @@ def listing(structure: Structure, hairpins: Hairpins) -> dict[str, Any]:
 def secondary_structure(structure: Structure, hairpins: Hairpins) -> list[dict[str, str]]:
     """Sequence and dot-bracket of each chain, in the order of the file.
 
-    The brackets of all chains, joined, are what the option ``dot_bracket`` takes.
+    Parameters
+    ----------
+    structure, hairpins
+        As for :func:`listing`.
+
+    Returns
+    -------
+    list of dict
+        ``chain``, ``first``, ``last``, ``sequence`` and ``dot_bracket``; the brackets of all
+        chains, joined, are what the option ``dot_bracket`` takes.
     """
     table = structure.nucleotides
     starts = [0, *(np.flatnonzero(table.chain[1:] != table.chain[:-1]) + 1).tolist(), len(table)]
@@ -80,7 +93,17 @@ def modified(structure: Structure) -> dict[str, str]:
 
 
 def remarks(structure: Structure, hairpins: Hairpins) -> list[str]:
-    """One sentence for each thing about the file that a user should know of."""
+    """One sentence for each thing about the file that a user should be aware of.
+
+    Parameters
+    ----------
+    structure, hairpins
+        As for :func:`listing`.
+
+    Returns
+    -------
+    list of str
+    """
     parents = [f"{label} ({letter})" for label, letter in modified(structure).items()]
     named = [f"modified residues and their parents: {enumerated(parents)}"] if parents else []
     return [*structure.remarks, *named, *hairpins.remarks]
@@ -90,24 +113,33 @@ def _hairpin(structure: Structure, hairpin: Hairpin) -> dict[str, Any]:
     rms_A, refusal = stem_check(structure, hairpin)
     return {
         "name": hairpin.name,
-        "chain": hairpin.chain,
-        "closing_pair": list(hairpin.closing_pair),
-        "residues": list(hairpin.residues),
-        "sequence": hairpin.sequence,
-        "kind": "DNA" if hairpin.is_dna else "RNA",
+        **about(hairpin),
         "nucleotides": len(hairpin),
         "absent": int((hairpin.loop < 0).sum()),
         "stem_pairs": hairpin.n_pairs,
         "stem_rms_A": rms_A,
         "regular": rms_A is not None and rms_A <= STEM_RMS_MAX_A,
         "refusal": refusal,
-        "contacts": [list(pair) for pair in hairpin.contacts],
-        "kissing": list(hairpin.kissing),
+        **partners(hairpin),
     }
 
 
 def stem_check(structure: Structure, hairpin: Hairpin) -> tuple[float | None, str | None]:
-    """Misfit of the ideal strands to the stem, Å, or why they cannot be laid on it (model 1)."""
+    """Misfit of the ideal strands to the stem, or why they cannot be laid on it (model 1).
+
+    Parameters
+    ----------
+    structure : Structure
+        What was read.
+    hairpin : Hairpin
+        One of its hairpins.
+
+    Returns
+    -------
+    rms_A : float or None
+        Å.
+    refusal : str or None
+    """
     try:
         ends = stem_ends(structure.nucleotides, hairpin, structure.positions(0))
     except StructureError as error:

@@ -1,8 +1,7 @@
-"""The fold put back into the whole structure, and scripts that show it in PyMOL and ChimeraX."""
+"""Records of the PDB format: points of a trace, and the whole structure with a loop replaced."""
 
 from __future__ import annotations
 
-import os
 import string
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -12,23 +11,19 @@ from typing import Any
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica._files import write_text
 from loopelastica._version import __version__
-from loopelastica.folding.fold import LoopFold
+from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb, pdb_records, quiet
 
 POINT = "CEN"
 """Atom name of the point of the line that stands for a nucleotide."""
 
 WHOLE_ATOMS = 20_000
-"""Most atoms of a structure that is written once more for each loop unless it is asked for: all
-loops of a ribosome would make half a gigabyte."""
+"""Most atoms of a structure that is written once more for each loop without a request: all loops of
+a ribosome would make half a gigabyte."""
 
 _ATOMS = ("ATOM  ", "HETATM")
-# The first ten colours of matplotlib, so that plot.png and the scripts agree.
-_COLOURS = ("1f77b4", "ff7f0e", "2ca02c", "d62728", "9467bd",
-            "8c564b", "e377c2", "7f7f7f", "bcbd22", "17becf")  # fmt: skip
-# A minus sign that PyMOL does not take for a range.
-_MINUS = "\\"
 _LETTERS = string.ascii_uppercase + string.ascii_lowercase + string.digits
 
 
@@ -45,8 +40,13 @@ def one_letter_chains(chains: Iterable[str]) -> dict[str, str]:
     return {chain: chain if len(chain) <= 1 else next(free, "Z") for chain in chains}
 
 
-def renamed_chains(letters: dict[str, str]) -> list[str]:
-    """REMARK records that tell which chains the PDB format made one letter."""
+def renamed(chains: Iterable[str]) -> dict[str, str]:
+    """The chains that the PDB format makes another letter, with that letter."""
+    return {chain: a for chain, a in one_letter_chains(chains).items() if chain != a}
+
+
+def renamed_records(letters: dict[str, str]) -> list[str]:
+    """REMARK records for the chains that got another letter."""
     return [
         f"REMARK  99 CHAIN {chain} IS WRITTEN AS {letter}"
         for chain, letter in letters.items()
@@ -57,7 +57,27 @@ def renamed_chains(letters: dict[str, str]) -> list[str]:
 def point_records(
     fold: LoopFold, structure: Structure, trace: Array, chain: str, rank: int, serial: int
 ) -> list[str]:
-    """ATOM records of a trace (n, 3): one point per loop nucleotide, the rank in the B column."""
+    """ATOM records of a trace: one point per loop nucleotide.
+
+    Parameters
+    ----------
+    fold : LoopFold
+        The loop.
+    structure : Structure
+        What it was found in.
+    trace : (n, 3) array
+        The points, Å.
+    chain : str
+        Letter of the chain.
+    rank : int
+        What is written as B factor.
+    serial : int
+        Number of the first atom.
+
+    Returns
+    -------
+    list of str
+    """
     from MDAnalysis.coordinates.PDB import PDBWriter
 
     hairpin, names = fold.hairpin, structure.nucleotides.resname
@@ -84,7 +104,20 @@ def point_records(
 
 
 def bond_records(serial: int, n: int) -> list[str]:
-    """CONECT records that join n points in a row; none where serial numbers have run over."""
+    """CONECT records that join points in a row.
+
+    Parameters
+    ----------
+    serial : int
+        Number of the first atom.
+    n : int
+        Number of points.
+
+    Returns
+    -------
+    list of str
+        Empty where serial numbers have run over the five digits of the format.
+    """
     if serial + n > 100_000:
         return []
     return [f"CONECT{k:5d}{k + 1:5d}" for k in range(serial, serial + n - 1)]
@@ -115,7 +148,15 @@ class WholeStructure:
         self._serial = 1 + max((int(serial) for serial in serials if serial.isdigit()), default=0)
 
     def write(self, path: Path, fold: LoopFold) -> None:
-        """Write a PDB file: the first-ranked trace in place of the loop, all else as it was."""
+        """Write a PDB file: the first-ranked trace in place of the loop, all else as it was.
+
+        Parameters
+        ----------
+        path : Path
+            The file.
+        fold : LoopFold
+            A folded loop of the structure.
+        """
         first, hairpin = fold.candidates[0], fold.hairpin
         keep = ~np.isin(self._residue, list(self._loop_residues(fold)))
         closing = self._residue_of(int(hairpin.stem_5[0]))
@@ -128,14 +169,14 @@ class WholeStructure:
         lines = [
             f"REMARK  99 LOOPELASTICA {__version__}: {ends} ARE POINTS {POINT} OF THE ELASTIC LINE",
             "REMARK  99 OF LEAST ENERGY; ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL",
-            *renamed_chains(self._letters),
+            *renamed_records(self._letters),
             *records[:after][keep[:after]],
             *points,
             *records[after:][keep[after:]],
             *bond_records(self._serial, len(points)),
             "END",
         ]
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        write_text(path, "\n".join([*lines, ""]))
 
     def _residue_of(self, row: int) -> int:
         table = self._structure.nucleotides
@@ -179,101 +220,3 @@ def _made_anew(structure: Structure, chains: list[str]) -> list[str]:
             else r
             for r in pdb_records(path)
         ]
-
-
-def write_pymol(path: Path, fold: LoopFold, source: str, chain: str) -> None:
-    """Write a PyMOL script: the candidates as sticks over the file's own structure.
-
-    Parameters
-    ----------
-    path : Path
-        The script; traces.pdb is beside it.
-    fold : LoopFold
-        What was folded.
-    source : str
-        Path of the structure file, from the folder of the script.
-    chain : str
-        Chain of the loop as a viewer knows it, "" where it knows none.
-    """
-    place = " and ".join([f"chain {chain}"] * bool(chain) + [f"resi {_numbers(fold, '+', _MINUS)}"])
-    lines = [
-        _headline(fold),
-        "# Run it in this folder: pymol view.pml",
-        # the lines of the candidates are their CONECT records
-        "set connect_mode, 1",
-        "load traces.pdb, candidates",
-        "split_states candidates, prefix=rank_",
-        "delete candidates",
-        "set connect_mode, 0",
-        f"load {source}, native",
-        "hide everything",
-        "show cartoon, native",
-        "color grey70, native",
-        f"select loop, native and {place}",
-        "show sticks, loop",
-        "color grey40, loop",
-        "set all_states, off",
-        "set stick_radius, 0.12, native",
-    ]
-    for candidate in fold.candidates:
-        name = f"rank_{candidate.rank:04d}"
-        lines += [
-            f"show sticks, {name}",
-            f"show spheres, {name}",
-            f"color 0x{_COLOURS[(candidate.rank - 1) % len(_COLOURS)]}, {name}",
-            f"set stick_radius, {0.4 if candidate.rank == 1 else 0.2}, {name}",
-            f"set sphere_scale, {0.35 if candidate.rank == 1 else 0.2}, {name}",
-        ]
-    lines += ["deselect", "orient rank_0001", "zoom rank_0001, 12"]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def write_chimerax(path: Path, fold: LoopFold, source: str, chain: str, n_models: int) -> None:
-    """Write a ChimeraX script of the same content for a file of `n_models` models."""
-    several = len(fold.candidates) > 1
-    chain = f"/{chain}" if chain else ""
-    native = "#2.1" if n_models > 1 else "#2"
-    lines = [
-        _headline(fold),
-        "open traces.pdb",
-        f'open "{source}"',
-        "hide atoms",
-        "hide #2 models",
-        "show #2 models" if native == "#2" else "show #2.1 models",
-        f"cartoon {native}",
-        f"color {native} gray",
-        f"show {native}{chain}:{_numbers(fold, ',', '')} atoms",
-        "show #1 atoms",
-        "style #1 ball",
-    ]
-    for candidate in fold.candidates:
-        model = f"#1.{candidate.rank}" if several else "#1"
-        lines += [
-            f"color {model} #{_COLOURS[(candidate.rank - 1) % len(_COLOURS)]}",
-            f"size {model} stickRadius {0.4 if candidate.rank == 1 else 0.2}",
-        ]
-    lines += [f"view #1{'.1' if several else ''}"]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _headline(fold: LoopFold) -> str:
-    pair = "–".join(fold.hairpin.closing_pair)
-    return f"# loopelastica {__version__}: the candidates for {pair} over the file's own loop."
-
-
-def _numbers(fold: LoopFold, joint: str, minus: str) -> str:
-    """Residue numbers of the loop as a viewer reads them, a negative one after the sign `minus`."""
-    hairpin = fold.hairpin
-    return joint.join(
-        f"{minus if number < 0 else ''}{number}{icode}"
-        for number, icode in zip(hairpin.resid, hairpin.icode, strict=True)
-    )
-
-
-def path_from(folder: Path, file: Path) -> str:
-    """Path of a file as seen from a folder, so that both can be moved together."""
-    try:
-        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
-    except ValueError:
-        # another drive
-        return file.resolve().as_posix()

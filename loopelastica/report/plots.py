@@ -7,16 +7,24 @@ from typing import Any
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.folding.fold import LoopFold
-from loopelastica.molecule.trace import smoothed_line, to_file_coordinates
-
-_POINTS = 101
+from loopelastica.folding.result import LoopFold
+from loopelastica.molecule.trace import smoothed_line
+from loopelastica.report.records import LINE_POINTS
 
 
 def plot_fold(fold: LoopFold, path: Path, title: str = "", sticks: Array | None = None) -> None:
     """Draw the candidates and the native line from two sides, and the curvature along the loop.
 
-    ``sticks`` (m, 2, 3) are the bonds of the first candidate's atoms, Å.
+    Parameters
+    ----------
+    fold : LoopFold
+        With at least one candidate.
+    path : Path
+        The picture; its suffix decides the format.
+    title : str
+        What stands over it.
+    sticks : (m, 2, 3) array, optional
+        Bonds of the first candidate's atoms, Å.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -51,7 +59,7 @@ def _colour(rank: int) -> Any:
 def _view(fold: LoopFold) -> tuple[Array, Array, Array, Array]:
     """Origin and axes of the picture: along the stem ends' chord, into it, and away from it."""
     assert fold.ends is not None
-    start, end = np.asarray(fold.ends.start_origin_A), np.asarray(fold.ends.end_origin_A)
+    start, end = fold.ends.start_origin_A, fold.ends.end_origin_A
     top = fold.candidates[0].trace.mean(axis=0)
     middle = 0.5 * (start + end)
     x = (end - start) / np.linalg.norm(end - start)
@@ -66,12 +74,7 @@ def _view(fold: LoopFold) -> tuple[Array, Array, Array, Array]:
 def _draw_lines(axes: Any, fold: LoopFold, flat: Callable[[Array], Array]) -> None:
     assert fold.ends is not None
     for candidate in reversed(fold.candidates):
-        points = to_file_coordinates(
-            candidate.rod.centerline(_POINTS),
-            fold.ends.start_origin_A,
-            fold.ends.start_frame,
-            candidate.length_A,
-        )
+        points = fold.ends.to_file(candidate.rod.centerline(LINE_POINTS))
         first = candidate.rank == 1
         label = f"{candidate.rank}: E/K0 {candidate.energy_per_A:.3f} /Å"
         if candidate.rmsd_A is not None:
@@ -82,7 +85,7 @@ def _draw_lines(axes: Any, fold: LoopFold, flat: Callable[[Array], Array]) -> No
         if first:
             axes.plot(*flat(candidate.trace).T, "o", color=_colour(1), ms=4)
     if fold.backbone_A is not None:
-        smooth = flat(smoothed_line(fold.backbone_A, _POINTS))
+        smooth = flat(smoothed_line(fold.backbone_A, LINE_POINTS))
         axes.plot(*smooth.T, color="0.25", lw=1.4, ls="--", label="file (smoothed)")
         axes.plot(*flat(fold.backbone_A[1:-1]).T, "s", color="0.25", ms=3)
 
@@ -109,8 +112,8 @@ def _same_scale(*both: Any) -> None:
 
 def _draw_curvature(axes: Any, fold: LoopFold) -> None:
     for candidate in reversed(fold.candidates):
-        s = np.linspace(0.0, candidate.length_A, _POINTS)
-        curvature = candidate.rod.curvature(_POINTS) / candidate.length_A
+        s = np.linspace(0.0, candidate.length_A, LINE_POINTS)
+        curvature = candidate.rod.curvature(LINE_POINTS) / candidate.length_A
         axes.plot(s, curvature, color=_colour(candidate.rank), lw=2.0 if candidate.rank == 1 else 1)
     axes.set_xlabel("arc length (Å)")
     axes.set_ylabel("curvature (1/Å)")

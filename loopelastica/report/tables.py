@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from loopelastica.folding.fold import LoopFold
+    from loopelastica.folding.result import LoopFold
     from loopelastica.folding.scan import LoopScan
     from loopelastica.rod.equilibria import Equilibria
 
@@ -21,7 +21,7 @@ def console() -> Console:
 
 def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Table:
     """Folded loops, a row per candidate."""
-    from loopelastica.report.folder import rmsd_summary
+    from loopelastica.report.records import rmsd_summary
 
     table = Table(
         title="Loops folded, least energy first. Energy is no confidence; RMSD without"
@@ -37,7 +37,7 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
         if isinstance(result, str):
             table.add_row(name, "not folded: see below")
             continue
-        pair = "–".join(result.hairpin.closing_pair)
+        pair = result.hairpin.label
         if result.failure:
             table.add_row(name, pair, result.hairpin.sequence, "not folded: see below")
         for c in result.candidates:
@@ -62,10 +62,22 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
 
 
 def scan_table(loop: "LoopScan", shown: int) -> Table:
-    """The shapes of one scan, up to ``shown``."""
+    """The shapes of one scan.
+
+    Parameters
+    ----------
+    loop : LoopScan
+        The scan, with at least one candidate.
+    shown : int
+        Most rows of the table.
+
+    Returns
+    -------
+    rich.table.Table
+    """
     median, most = loop.expected_rmsd_A
     table = Table(
-        title=f"{'–'.join(loop.hairpin.closing_pair)} {loop.hairpin.sequence}, by E/K0",
+        title=f"{loop.hairpin.label} {loop.hairpin.sequence}, by E/K0",
         caption=f"{min(shown, len(loop.candidates))} of {len(loop.candidates)} shapes, spread"
         f" {loop.spread_A:.1f} Å. Energy is no confidence: the least deformed shape is not the most"
         f" probable one. Error to expect of the rule (*) for {len(loop.hairpin)} nucleotides:"

@@ -1,40 +1,15 @@
 """Arguments that several public functions of the rod take, each checked in one place."""
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
-
-
-def check_positive(name: str, value: float) -> float:
-    """The value as a float.
-
-    Parameters
-    ----------
-    name : str
-        Of the argument, for the message.
-    value : float
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    ValueError
-        If it is not positive and finite.
-    """
-    number = float(value)
-    if not (math.isfinite(number) and number > 0.0):
-        raise ValueError(f"`{name}` is {value}; it must be positive and finite")
-    return number
+from loopelastica._checks import positive
 
 
 def check_torsion_ratio(torsion_ratio: float) -> float:
     """K30 as a float; ValueError unless it is positive and finite."""
-    return check_positive("torsion_ratio", torsion_ratio)
+    return positive("torsion_ratio", torsion_ratio)
 
 
 def check_loads(loads: ArrayLike) -> Array:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.rod._arguments import check_positive
+from loopelastica._checks import between, positive
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.multistart import (
@@ -77,7 +77,7 @@ class Deadline:
     """
 
     def __init__(self, limit_s: float | None) -> None:
-        seconds = math.inf if limit_s is None else check_positive("time_limit_s", limit_s)
+        seconds = math.inf if limit_s is None else positive("time_limit_s", limit_s)
         self._end = time.monotonic() + seconds
 
     @property
@@ -87,11 +87,8 @@ class Deadline:
 
 
 def check_tolerance(tolerance: float) -> float:
-    """The largest residual of a solution as a float; ValueError unless it is a sensible one."""
-    value = float(tolerance)
-    least, most = _TOLERANCES
-    if not least <= value <= most:
-        raise ValueError(f"`tolerance` is {tolerance}; it must be between {least:g} and {most:g}")
+    """The largest residual of a solution; ValueError unless it is a sensible one."""
+    value: float = between(*_TOLERANCES)("tolerance", tolerance)
     return value
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from loopelastica._arrays import Array
+from loopelastica._checks import whole
 from loopelastica.rod._arguments import check_torsion_ratio
 from loopelastica.rod._library import stored_rods
 from loopelastica.rod._starts import (
@@ -175,8 +176,7 @@ def solve_batch(
     """
     deadline, tolerance = Deadline(time_limit_s), check_tolerance(tolerance)
     batch = _unsolved(positions, rotations, torsion_ratio, bool(free_spin))
-    if not (isinstance(threads, int | np.integer) and threads >= 1):
-        raise ValueError(f"`threads` is {threads!r}; it must be a whole number, 1 or more")
+    threads = whole(1)("threads", threads)
     solvable = _solvable(batch)
     for i in np.flatnonzero(batch.status == Status.UNREACHABLE):
         _try_straight(int(i), batch)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from loopelastica._arrays import Array, read_only
+from loopelastica._arrays import Array, Record, read_only
 
 # a matrix read from a file with five decimals is still a rotation; a worse one is a mistake
 _ORTHONORMAL = 1e-4
@@ -45,7 +45,7 @@ def _rotation_zyz(psi: float, theta: float, phi: float) -> Array:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Clamping:
+class Clamping(Record):
     """Relative pose of the two ends of a rod of unit length.
 
     Parameters

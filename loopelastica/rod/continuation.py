@@ -17,7 +17,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from loopelastica._arrays import Array, read_only
+from loopelastica._arrays import Array, Record, read_only
+from loopelastica._checks import positive, whole
 from loopelastica.rod._branch import (
     AGREE,
     SEGMENTS,
@@ -56,7 +57,7 @@ _SLACK = 100.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Path:
+class Path(Record):
     """A branch of equilibria along a moving clamping.
 
     Attributes
@@ -151,6 +152,7 @@ def continue_clamping(
     >>> print(path.converged, round(path.end.energy, 4), len(path.folds))
     True 7.6179 0
     """
+    steps, max_step = whole(0)("steps", steps), positive("max_step", max_step)
     if clamping.free_spin != rod.clamping.free_spin:
         raise ValueError("`clamping` and `rod` must both leave the end's spin free, or neither")
     from scipy.spatial.transform import Rotation
@@ -213,6 +215,7 @@ def twist_end(
     >>> print(path.converged, round(path.end.energy, 4))
     True 19.1464
     """
+    steps, max_step = whole(0)("steps", steps), positive("max_step", max_step)
     if not math.isfinite(turns):
         raise ValueError(f"`turns` is {turns}; it must be finite")
     if rod.clamping.free_spin:

@@ -21,6 +21,7 @@ from functools import partial
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica._checks import optional, positive, whole
 from loopelastica.rod._arguments import check_torsion_ratio
 from loopelastica.rod._library import stored_rods
 from loopelastica.rod._starts import (
@@ -180,7 +181,9 @@ def equilibria(
     """
     torsion_ratio, tolerance = check_torsion_ratio(torsion_ratio), check_tolerance(tolerance)
     deadline = Deadline(time_limit_s)
-    if rounds is not None and not 1 <= rounds <= len(_ROUNDS):
+    energy_max = optional(positive)("energy_max", energy_max)
+    rounds, turns = optional(whole(1))("rounds", rounds), optional(whole(-1000))("turns", turns)
+    if rounds is not None and rounds > len(_ROUNDS):
         raise ValueError(f"`rounds` is {rounds}; it must be 1 to {len(_ROUNDS)}")
     stretched = straight(clamping, torsion_ratio)
     if stretched is not None:

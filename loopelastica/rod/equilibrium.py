@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from loopelastica._arrays import Array, read_only
+from loopelastica._arrays import Array, Record, read_only
 from loopelastica.rod._arguments import arc_lengths
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.kernels.records import LAYERS, Method, Status
@@ -42,7 +42,7 @@ MESSAGES = {
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Equilibrium:
+class Equilibrium(Record):
     """An equilibrium of an ideal rod: L = K0 = 1, lengths in units of L.
 
     Attributes
@@ -89,13 +89,8 @@ class Equilibrium:
     def __post_init__(self) -> None:
         for name in ("loads", "node_s", "node_pose"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
-        layers = np.array(self.layers, dtype=LAYERS)
-        layers.setflags(write=False)
-        object.__setattr__(self, "layers", layers)
-
-    def __reduce__(self) -> Any:
-        # arrays come back from a pickle writeable; a new object protects its own
-        return type(self), tuple(getattr(self, name) for name in self.__slots__)
+        object.__setattr__(self, "layers", np.array(self.layers, dtype=LAYERS))
+        Record.__post_init__(self)
 
     def __repr__(self) -> str:
         if not self.converged:

@@ -65,5 +65,5 @@ def test_the_directors_meet_the_stem_at_both_ends(fold):
         ends.start_origin_A + ends.start_frame @ points[1], ends.end_origin_A, atol=1e-8
     )
     # no more than half a turn from the twist of the helix
-    wanted = 4 * np.deg2rad(15.7)
-    assert abs(line.spin - wanted) <= np.pi + 1e-3
+    expected = 4 * np.deg2rad(15.7)
+    assert abs(line.spin - expected) <= np.pi + 1e-3

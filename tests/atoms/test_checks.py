@@ -1,34 +1,8 @@
 import numpy as np
 import pytest
 
-from loopelastica.atoms.checks import angles_deg, check, pseudorotation, pucker_name
-from loopelastica.atoms.fibre import fibre_nucleotide
+from loopelastica.atoms.checks import check
 from loopelastica.atoms.site import site_of
-
-RING = ("C1'", "C2'", "C3'", "C4'", "O4'")
-
-
-@pytest.mark.parametrize(("is_dna", "name"), [(False, "C3'-endo"), (True, "C3'-exo")])
-def test_the_fibre_sugars_have_their_known_puckers(is_dna, name):
-    # A-RNA is C3'-endo; the B-DNA of 1972 lies at 192°, just beyond C2'-endo
-    atoms = fibre_nucleotide("A", is_dna)
-    phase, amplitude = pseudorotation(*(atoms[a] for a in RING))
-    assert pucker_name(phase) == name
-    assert 34.0 < amplitude < 40.0
-
-
-def test_pseudorotation_of_a_mirror_image_is_half_a_turn_away():
-    ring = [fibre_nucleotide("A", False)[a] for a in RING]
-    phase, amplitude = pseudorotation(*ring)
-    mirrored, same = pseudorotation(*(point * [1, 1, -1] for point in ring))
-    assert (mirrored - phase) % 360.0 == pytest.approx(180.0)
-    assert same == pytest.approx(amplitude)
-
-
-def test_a_right_angle_and_a_straight_one():
-    points = np.array([[1.0, 0, 0], [0, 0, 0], [0, 2.0, 0], [-3.0, 0, 0]])
-    found = angles_deg(points, np.array([[0, 1, 2], [0, 1, 3]]))
-    np.testing.assert_allclose(found, [90.0, 180.0])
 
 
 def test_what_is_broken_is_found(koc, fold, models):
@@ -52,3 +26,22 @@ def test_what_is_broken_is_found(koc, fold, models):
     close[model.molecule.index(2, "O2")] += shift * (1 - 1.0 / np.linalg.norm(shift))
     assert checked(close).closest_A < 1.1
     assert not checked(close).sound
+
+
+@pytest.mark.parametrize(("share", "wrong"), [(0.45, True), (0.55, False)])
+def test_a_sugar_centre_flattened_below_half_its_volume_is_wrong(koc, fold, models, share, wrong):
+    """C1' of the first nucleotide, moved towards the plane of its neighbours."""
+    model, site = models[0], site_of(koc, fold, koc.positions(0))
+    positions = model.relaxed.positions_A.copy()
+    centre, *around = (model.molecule.index(0, name) for name in ("C1'", "O4'", "C2'", "N1"))
+    a, b, c = positions[around]
+    normal = np.cross(b - a, c - a)
+    normal /= np.linalg.norm(normal)
+    # signed volume of C1' with O4', C2' and N1 in the fibre: 2.45 Å³
+    height = share * 2.45 / np.linalg.norm(np.cross(b - a, c - a))
+    above = (positions[centre] - a) @ normal
+    positions[centre] += (np.copysign(height, above) - above) * normal
+    checks = check(
+        model.molecule, site.geometry, positions, site.around, np.zeros((4, 3)), positions
+    )
+    assert ("1:C1'" in checks.wrong_chirality) == wrong

@@ -15,14 +15,14 @@ def test_a_nucleotide_has_the_atoms_and_bonds_of_its_molecule_and_no_others(lett
     molecule = loop_molecule([Residue(letter, is_dna, letter)])
     own = molecule.loop_atoms
     assert {molecule.names[row] for row in own} == set(atoms)
-    wanted = {
+    expected = {
         frozenset((molecule.names[i], molecule.names[j]))
         for i, j in molecule.bonds
         if i in own and j in own
     }
     names, at = list(atoms), np.array(list(atoms.values()))
     near = np.argwhere(np.triu(np.linalg.norm(at[:, None] - at[None], axis=2) < 1.9, k=1))
-    assert {frozenset((names[i], names[j])) for i, j in near} == wanted
+    assert {frozenset((names[i], names[j])) for i, j in near} == expected
 
 
 @pytest.mark.parametrize("is_dna", [False, True])

@@ -6,12 +6,12 @@ import loopelastica as le
 from loopelastica.atoms.checks import bond_lengths
 from loopelastica.atoms.model import LINE_SD_A, build_atoms
 from loopelastica.errors import StructureError
-from loopelastica.folding.fold import fold_positions
+from loopelastica.folding.fold import fold_model
 from loopelastica.molecule.nucleotides import read_structure
 
 
 def again(koc, fold, positions, **options):
-    moved = fold_positions(koc.nucleotides, fold.hairpin, positions, **fold.parameters)
+    moved = fold_model(koc.nucleotides, fold.hairpin, positions, fold.options)
     return build_atoms(koc, moved, positions=positions, max_candidates=1, **options)[0]
 
 

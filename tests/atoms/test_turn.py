@@ -5,9 +5,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from loopelastica.atoms.carry import Line
-from loopelastica.atoms.checks import torsion_deg
+from loopelastica.atoms.measures import chi_torsion, torsion_deg
 from loopelastica.atoms.site import site_of
-from loopelastica.atoms.turn import _clash, _stacking, chi_torsion, place, turned
+from loopelastica.atoms.turn import _clash, _stacking, place, turned
 from loopelastica.molecule.strands import ideal_strand
 
 

@@ -13,10 +13,10 @@ import pytest
 from loopelastica._files import data_path
 from loopelastica.batch.folds import FOLDS
 from loopelastica.batch.run import run, tasks_of
-from loopelastica.folding.fold import checked_parameters
+from loopelastica.folding.options import FoldOptions
 
 ROOT = Path(__file__).resolve().parents[2]
-OPTIONS = {**checked_parameters(all_models=False), "plot": False}
+OPTIONS = {**FoldOptions(all_models=False).to_dict(), "plot": False}
 
 
 @pytest.fixture(scope="module")

@@ -263,24 +263,52 @@ def test_solve_prints_equilibria_or_one_sentence():
     assert energies == sorted(energies)
     assert len(energies) > 1
     assert "energy" in run("solve", "--clamping", "-0.4 -0.1 0.5 4.8 1.4 2.2").output
-    for wrong in ("1 2 3", "0 0 2 0 0 0", "a b c d e f", "0 0 nan 0 0 0"):
+    for wrong in ("1 2 3", "0 0 2 0 0 0", "a b c d e f", "0 0 nan 0 0 0", "nonsense"):
         result = run("solve", "--clamping", wrong)
-        assert result.exit_code == 1
-        assert len(result.stderr.strip().splitlines()) == 1
+        assert result.exit_code == 2
+        assert f"--clamping {wrong!r}: " in result.stderr
+    assert run("solve", "--clamping", "0 0 0.5 0 0 0", "--torsion-ratio", "-1").exit_code == 2
 
 
 def test_an_option_out_of_range_is_refused(tmp_path):
     result = run("fold", HAIRPIN, "-o", tmp_path / "out", "--persistence-length", "-3")
-    assert result.exit_code != 0
-    assert "persistence_length" in result.output + result.stderr
+    assert result.exit_code == 2
+    assert "`persistence_length_A` is -3.0" in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--contact", "sheared"), "--contact needs --atoms"),
+        (("--torsion-ratio", "0.7"), "--torsion-ratio needs --darboux"),
+        (("--jobs", "2", "--atoms"), "--atoms goes without --jobs"),
+        (("--jobs", "2", "--whole"), "--whole goes without --jobs"),
+        (("--pair", "A.5"), "`pair` is 'A.5'"),
+        (("--atoms", "--contact", "hoogsteen", "--first-model"), "`contact` is 'hoogsteen'"),
+    ],
+)
+def test_an_option_without_what_it_needs_is_refused(tmp_path, arguments, sentence):
+    result = run("fold", HAIRPIN, "-o", tmp_path / "out", *arguments)
+    assert result.exit_code == 2
+    assert sentence in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_package_runs_as_a_module():
+    command = [sys.executable, "-m", "loopelastica"]
+    done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("loopelastica ")
+    done = subprocess.run([*command, "fold", "absent.pdb"], capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr == "absent.pdb: there is no such file\n"
 
 
 @pytest.mark.parametrize(
     "arguments", [["-c", "import loopelastica"], ["-m", "loopelastica.cli.app", "--help"]]
 )
 def test_import_and_help_load_nothing_heavy(arguments):
-    heavy = {"MDAnalysis", "rdkit", "numba", "matplotlib"}
+    heavy = {"MDAnalysis", "rdkit", "numba", "matplotlib", "numpy", "scipy", "pandas"}
     code = (
         "import runpy, sys, atexit\n"
         f"atexit.register(lambda: print('HEAVY', sorted({heavy!r} & set(sys.modules))))\n"

@@ -1,4 +1,4 @@
-"""The whole road on real hairpins."""
+"""From file to candidates on real hairpins."""
 
 import json
 import re
@@ -10,27 +10,13 @@ from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica._files import data_path
-from loopelastica.folding.fold import fold_positions
+from loopelastica.folding.fold import fold_model
+from loopelastica.folding.options import FoldOptions
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
 
 PLAIN = {"stem_extend_5": 0, "stem_extend_3": 0, "taper": 0.0}
 HAIRPIN = data_path("hairpins/2koc.pdb")
-
-
-def options(**changed):
-    return {
-        "free_spin": True,
-        "torsion_ratio": 1.0,
-        "length_per_nucleotide_A": None,
-        "stem_extend_5": None,
-        "stem_extend_3": None,
-        "taper": None,
-        "persistence_length_A": 10.0,
-        "energy_max": None,
-        "max_candidates": 10,
-        "all_models": True,
-    } | changed
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +77,7 @@ def test_first_ranked_rmsd_by_the_rule(hairpin_folder, entry, loop_name, clamp, 
     assert loop.candidates[0].trace.shape == (len(loop.hairpin), 3)
 
 
-def test_an_extension_too_far_for_the_rod_is_taken_back_unless_asked_for(hairpin_folder):
+def test_an_extension_too_far_for_the_rod_is_taken_back_unless_given(hairpin_folder):
     path = hairpin_folder / "1y26.pdb.gz"
 
     def clamp(**options):
@@ -134,8 +120,7 @@ def test_scrambling_the_loop_changes_no_prediction_of_the_rule(hairpin_folder, e
     scrambled = positions.copy()
     scrambled[atoms[atoms >= 0]] += rng.normal(scale=9.0, size=((atoms >= 0).sum(), 3))
     here, there = (
-        fold_positions(structure.nucleotides, hairpin, x, **options())
-        for x in (positions, scrambled)
+        fold_model(structure.nucleotides, hairpin, x, FoldOptions()) for x in (positions, scrambled)
     )
     for a, b in zip(here.candidates, there.candidates, strict=True):
         np.testing.assert_array_equal(a.trace, b.trace)
@@ -144,8 +129,8 @@ def test_scrambling_the_loop_changes_no_prediction_of_the_rule(hairpin_folder, e
 
 def test_each_model_is_clamped_by_its_own_stem_and_compared_with_its_own_loop(structure, loop):
     for model in (3, 7):
-        alone = fold_positions(
-            structure.nucleotides, loop.hairpin, structure.positions(model), **options()
+        alone = fold_model(
+            structure.nucleotides, loop.hairpin, structure.positions(model), FoldOptions()
         )
         assert alone.candidates[0].rmsd_A == loop.candidates[0].rmsd_models_A[model]
 
@@ -155,10 +140,10 @@ def test_scrambling_the_loop_changes_no_prediction(structure, loop, rng):
     atoms = np.unique(structure.nucleotides.atom_index[hairpin.loop])
     atoms = atoms[atoms >= 0]
     positions = structure.positions(0)
-    reference = fold_positions(structure.nucleotides, hairpin, positions, **options())
+    reference = fold_model(structure.nucleotides, hairpin, positions, FoldOptions())
     scrambled = positions.copy()
     scrambled[atoms] += rng.normal(scale=5.0, size=(len(atoms), 3))
-    other = fold_positions(structure.nucleotides, hairpin, scrambled, **options())
+    other = fold_model(structure.nucleotides, hairpin, scrambled, FoldOptions())
     for a, b in zip(reference.candidates, other.candidates, strict=True):
         np.testing.assert_array_equal(a.trace, b.trace)
         assert a.rod.energy == b.rod.energy
@@ -169,12 +154,12 @@ def test_scrambling_the_loop_changes_no_prediction(structure, loop, rng):
 def test_rigid_motion_moves_the_answer_by_the_same_motion(structure, rng, free_spin):
     (hairpin,) = find_hairpins(structure)
     positions = structure.positions(0)
-    chosen = options(free_spin=free_spin)
-    reference = fold_positions(structure.nucleotides, hairpin, positions, **chosen)
+    chosen = FoldOptions(free_spin=free_spin)
+    reference = fold_model(structure.nucleotides, hairpin, positions, chosen)
     for turn in Rotation.random(3, random_state=rng):
         shift = rng.uniform(-100, 100, 3)
-        moved = fold_positions(
-            structure.nucleotides, hairpin, positions @ turn.as_matrix().T + shift, **chosen
+        moved = fold_model(
+            structure.nucleotides, hairpin, positions @ turn.as_matrix().T + shift, chosen
         )
         assert len(moved.candidates) == len(reference.candidates)
         for a, b in zip(reference.candidates, moved.candidates, strict=True):
@@ -195,16 +180,37 @@ def test_rigid_motion_through_a_pdb_file(tmp_path, rng, loop):
     np.testing.assert_allclose(moved.candidates[0].trace, expected, atol=2e-3)
 
 
-def test_a_universe_folds_like_its_file_and_keeps_its_frame(loop):
+@pytest.fixture
+def universe():
     import MDAnalysis as mda
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        universe = mda.Universe(HAIRPIN)
-    universe.trajectory[4]
-    (again,) = le.fold(universe)
-    assert universe.trajectory.frame == 4
-    np.testing.assert_allclose(again.candidates[0].trace, loop.candidates[0].trace, atol=1e-9)
+        return mda.Universe(HAIRPIN)
+
+
+def test_a_universe_counts_with_its_current_frame(universe, structure, loop):
+    universe.trajectory[7]
+    (here,) = le.fold(universe)
+    assert universe.trajectory.frame == 7
+    alone = fold_model(structure.nucleotides, loop.hairpin, structure.positions(7), FoldOptions())
+    np.testing.assert_allclose(here.candidates[0].trace, alone.candidates[0].trace, atol=1e-9)
+    assert abs(here.candidates[0].rmsd_A - loop.candidates[0].rmsd_A) > 0.05
+    # one frame is one model
+    np.testing.assert_array_equal(here.candidates[0].rmsd_models_A, [here.candidates[0].rmsd_A])
+    assert le.find_hairpins(universe)[0].name == "A6-9"
+    (scanned,) = le.scan(universe, extend_5_max=0, extend_3_max=0, tapers=[0.2])
+    np.testing.assert_array_equal(scanned.candidates[0].candidate.trace, here.candidates[0].trace)
+
+
+def test_of_a_group_of_atoms_only_its_nucleotides_count(universe, loop):
+    (folded,) = le.fold(universe.select_atoms("resid 4:11"))
+    np.testing.assert_array_equal(folded.candidates[0].trace, loop.candidates[0].trace)
+    assert folded.hairpin.n_pairs == 2
+    assert le.find_hairpins(universe.select_atoms("resid 1:8")) == []
+    assert le.find_hairpins(universe.atoms[::-1])[0].n_pairs == 5
+    with pytest.raises(le.StructureError, match="no nucleotide"):
+        le.fold(universe.select_atoms("name P"))
 
 
 def test_darboux_clamping_and_line_length_are_the_users_choice(loop):
@@ -213,8 +219,6 @@ def test_darboux_clamping_and_line_length_are_the_users_choice(loop):
     assert clamped.candidates[0].rod.energy > loop.candidates[0].rod.energy
     (longer,) = le.fold(HAIRPIN, length_per_nucleotide_A=7.0, all_models=False)
     assert longer.length_A == 28.0
-    with pytest.raises(ValueError, match="persistence_length_A"):
-        le.fold(HAIRPIN, persistence_length_A=-1)
 
 
 def test_a_line_too_short_for_the_stem_ends_is_refused(loop):
@@ -230,7 +234,7 @@ def test_results_can_be_kept_as_json(loop):
     np.testing.assert_array_equal(again.loads, rod.loads)
 
 
-def test_the_users_word_moves_the_clamp():
+def test_pairs_of_the_user_move_the_clamp():
     (moved,) = le.fold(HAIRPIN, all_models=False, pair="A.6-A.8")
     assert moved.hairpin.residues == ("A.U7",)
     assert moved.parameters["pair"] == ["A.6-A.8"]
@@ -248,6 +252,14 @@ def test_a_model_that_lacks_a_loop_is_folded_but_not_compared(tmp_path):
     rmsd_A = unequal.candidates[0].rmsd_models_A
     assert np.isfinite(rmsd_A).tolist() == [True, False]
     assert unequal.model_failures == ()
+
+
+def test_models_that_cannot_be_folded_are_numbered_as_in_the_file():
+    (loop,) = le.fold(HAIRPIN, length_per_nucleotide_A=3.634)
+    numbers = [int(re.match(r"model (\d+): ", s)[1]) for s in loop.model_failures]
+    missing = ~np.isfinite(loop.candidates[0].rmsd_models_A)
+    assert numbers == (1 + np.flatnonzero(missing)).tolist()
+    assert numbers
 
 
 def test_a_loop_with_a_missing_atom_is_folded_but_not_compared(tmp_path, loop):

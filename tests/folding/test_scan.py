@@ -52,11 +52,11 @@ def test_a_scan_that_cannot_be_is_refused(hairpin_folder):
     (loop,) = le.scan(hairpin_folder / "1d16.pdb.gz", extend_5_max=0, extend_3_max=0)
     assert "no A or B helix" in loop.failure
     assert loop.candidates == ()
-    (asked,) = le.scan(
+    (irregular,) = le.scan(
         hairpin_folder / "1d16.pdb.gz", extend_5_max=0, extend_3_max=0, irregular=True
     )
-    assert asked.failure is None
-    assert asked.candidates
+    assert irregular.failure is None
+    assert irregular.candidates
 
 
 def test_a_scan_takes_loops_that_are_named():

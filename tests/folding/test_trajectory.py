@@ -66,13 +66,40 @@ def test_the_table_has_a_line_per_frame_and_loop(universe):
     pytest.importorskip("pandas")
     analysis = le.LoopElastica(universe).run(stop=3)
     table = analysis.to_dataframe()
-    assert list(table["frame"]) == [0, 1, 2]
-    assert list(table["loop"]) == ["A6-9"] * 3
+    assert table["frame"].tolist() == [0, 1, 2]
+    assert table["loop"].tolist() == ["A6-9"] * 3
     np.testing.assert_array_equal(table["rmsd_A"], analysis.results.rmsd_A[:, 0])
 
 
 def test_options_are_those_of_fold(universe):
     with pytest.raises(ValueError, match="taper"):
         le.LoopElastica(universe, taper=3.0)
-    with pytest.raises(TypeError):
+    with pytest.raises(TypeError, match="tapper"):
         le.LoopElastica(universe, tapper=0.1)
+    for name, value in (
+        ("all_models", False),
+        ("max_candidates", 3),
+        ("persistence_length_A", 20.0),
+    ):
+        with pytest.raises(ValueError, match=f"`{name}` does not apply to a trajectory"):
+            le.LoopElastica(universe, **{name: value})
+    with pytest.raises(ValueError, match="`atoms` is neither"):
+        le.LoopElastica(HAIRPIN)
+
+
+def test_loops_and_pairs_that_are_named_are_those_analysed(universe):
+    wider = le.LoopElastica(universe, loop="A.5-10").run(stop=2)
+    assert [hairpin.name for hairpin in wider.hairpins] == ["A5-10"]
+    assert wider.results.traces_A.shape == (2, 6, 3)
+    (loop,) = le.fold(HAIRPIN, loop="A.5-10")
+    np.testing.assert_array_equal(wider.results.rmsd_A[:, 0], loop.candidates[0].rmsd_models_A[:2])
+    by_brackets = le.LoopElastica(universe, dot_bracket="((((......))))")
+    assert [hairpin.name for hairpin in by_brackets.hairpins] == ["A5-10"]
+    paired = le.LoopElastica(universe, pair="A.6-A.9")
+    assert [hairpin.residues for hairpin in paired.hairpins] == [("A.U7", "A.C8")]
+
+
+def test_a_group_of_atoms_is_followed_as_the_whole(universe):
+    whole = le.LoopElastica(universe).run(stop=3)
+    group = le.LoopElastica(universe.select_atoms("resid 3:12")).run(stop=3)
+    np.testing.assert_array_equal(group.results.rmsd_A, whole.results.rmsd_A)

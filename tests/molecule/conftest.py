@@ -7,24 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from loopelastica.molecule.nucleotides import Structure, read_structure
-
 ROOT = Path(__file__).parents[2]
-KOC = ROOT / "data" / "hairpins" / "2koc.pdb"
 SHARED = ROOT / ".." / "shared" / "hairpins"
-
-
-@pytest.fixture(scope="session")
-def koc() -> Structure:
-    """2KOC: RNA, UUCG, 20 NMR models."""
-    return read_structure(KOC)
-
-
-@pytest.fixture(scope="session")
-def koc_lines() -> list[str]:
-    """Atom records of the first model of 2KOC."""
-    text = KOC.read_text().split("ENDMDL")[0]
-    return [line for line in text.splitlines() if line.startswith(("ATOM", "HETATM"))]
 
 
 @pytest.fixture(scope="session")

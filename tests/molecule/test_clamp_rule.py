@@ -7,7 +7,7 @@ import pytest
 
 from loopelastica.errors import StructureError
 from loopelastica.molecule.clamp_rule import StemClamp, default_clamp, expected_rmsd_A, plain_clamp
-from loopelastica.molecule.ends import placed_stem, stem_ends
+from loopelastica.molecule.ends import fit_stem, stem_ends
 from loopelastica.molecule.hairpins import find_hairpins
 
 
@@ -23,7 +23,7 @@ def test_the_rule_leaves_the_rod_most_of_every_loop(n):
 
 def test_extensions_move_the_ends_along_the_stem_and_shorten_the_rod(koc):
     (hairpin,) = find_hairpins(koc)
-    stem = placed_stem(koc.nucleotides, hairpin, koc.positions(0))
+    stem = fit_stem(koc.nucleotides, hairpin, koc.positions(0))
     plain, moved = (stem.ends(StemClamp(*e, 0.0, 6.0)) for e in ((0, 0), (1, 0)))
     assert (plain.n_free, moved.n_free, moved.length_A) == (4, 3, 18.0)
     np.testing.assert_array_equal(plain.end_frame, moved.end_frame)
@@ -50,11 +50,11 @@ def test_a_clamp_that_cannot_be_is_one_sentence(koc):
 
 def test_an_unreachable_clamp_gives_up_its_3_strand_first(koc):
     (hairpin,) = find_hairpins(koc)
-    stem = placed_stem(koc.nucleotides, hairpin, koc.positions(0))
+    stem = fit_stem(koc.nucleotides, hairpin, koc.positions(0))
     assert stem.ends(StemClamp(1, 1, 0.0, 5.8)).distance_A > 11.6
     clamp = stem.feasible(StemClamp(1, 1, 0.0, 5.8)).clamp
     assert clamp.stem_extend_3 == 0
     with pytest.raises(StructureError, match="no rod fits"):
         stem.feasible(StemClamp(1, 1, 0.0, 2.0))
     one_pair = dataclasses.replace(hairpin, stem_5=hairpin.stem_5[:1], stem_3=hairpin.stem_3[:1])
-    assert placed_stem(koc.nucleotides, one_pair, koc.positions(0)).ends(clamp).regular
+    assert fit_stem(koc.nucleotides, one_pair, koc.positions(0)).ends(clamp).regular

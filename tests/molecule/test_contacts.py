@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from loopelastica.molecule.contacts import (
-    SELF_CONTACT_A,
-    STEM_CONTACT_A,
-    contacts,
-    stem_atoms,
-)
+from loopelastica.molecule.contacts import contacts, stem_atoms
 from loopelastica.molecule.hairpins import find_hairpins
 
 
@@ -26,7 +21,7 @@ def test_a_line_that_comes_back_on_itself(width):
     line, phases = hairpin_line(width)
     near = contacts(line, phases, np.zeros((0, 3)), np.zeros(0))
     assert near.self_A == pytest.approx(width, rel=1e-6, abs=0.4)
-    assert near.touching == (near.self_A < SELF_CONTACT_A)
+    assert near.touching == (width < 5.0)
     assert near.stem_A == np.inf
 
 
@@ -43,8 +38,21 @@ def test_a_straight_line_through_the_stem_touches_it_wherever_both_are(koc, rng)
     line = np.linspace(atoms[phases == -4].mean(axis=0), atoms[phases == 5].mean(axis=0), 50)
     middle = np.full(50, 2.5)
     near = contacts(line, middle, atoms, phases)
-    assert near.stem_A < STEM_CONTACT_A
+    assert near.touching
     turn = Rotation.random(random_state=rng)
     moved = contacts(turn.apply(line) + 3, middle, turn.apply(atoms) + 3, phases)
     assert moved.stem_A == pytest.approx(near.stem_A)
     assert not contacts(line + 100, middle, atoms, phases).touching
+
+
+@pytest.mark.parametrize(("distance_A", "touched"), [(3.39, "stem"), (3.41, "")])
+def test_a_line_touches_the_stem_within_two_carbon_radii(distance_A, touched):
+    line, phases = np.array([[0.0, 0, 0], [0.0, 0, 6.0]]), np.array([3.0, 4.0])
+    near = contacts(line, phases, np.array([[distance_A, 0, 0]]), np.zeros(1))
+    assert near.touched == touched
+
+
+@pytest.mark.parametrize(("distance_A", "touched"), [(4.99, "self"), (5.01, "")])
+def test_a_line_touches_itself_within_two_backbones(distance_A, touched):
+    line, phases = np.array([[0.0, 0, 0], [distance_A, 0, 0]]), np.array([1.0, 3.0])
+    assert contacts(line, phases, np.zeros((0, 3)), np.zeros(0)).touched == touched

@@ -1,4 +1,4 @@
-"""The clamps know the stem only, and move with it."""
+"""The clamps depend on the stem only, and move with it."""
 
 from __future__ import annotations
 

@@ -10,12 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from loopelastica.molecule.hairpins import (
-    canonical_pairs,
-    dot_bracket,
-    find_hairpins,
-    hairpins_of,
-)
+from loopelastica.molecule.hairpins import find_hairpins
+from loopelastica.molecule.pairs import canonical_pairs, dot_bracket
 
 # What differs from the annotator (RNApolis), hairpin by hairpin: closing pair → reason.
 DIFFERENCES = {
@@ -52,8 +48,9 @@ def test_the_shipped_hairpin(koc):
 
 
 def test_every_model_of_the_shipped_hairpin_has_the_same_loop(koc):
-    for positions in koc.models():
-        assert [h.name for h in hairpins_of(koc.nucleotides, positions)] == ["A6-9"]
+    universe = koc.universe.copy()
+    for _ in universe.trajectory:
+        assert [h.name for h in find_hairpins(universe)] == ["A6-9"]
 
 
 @settings(max_examples=10, deadline=None)
@@ -112,7 +109,7 @@ def test_insertion_codes_appear_in_name_and_label(pdb, koc_lines):
 def test_bounds_of_the_loop_length(koc):
     assert find_hairpins(koc, max_loop=3) == []
     assert len(find_hairpins(koc, min_loop=4, max_loop=4)) == 1
-    with pytest.raises(ValueError, match="`min_loop`"):
+    with pytest.raises(ValueError, match="`max_loop` is 4"):
         find_hairpins(koc, min_loop=5, max_loop=4)
 
 
@@ -127,9 +124,9 @@ def test_agreement_with_an_independent_annotator(hairpins_folder):
     differing = {}
     for entry, theirs in expected.items():
         ours = {(h.closing_pair, h.sequence) for h in find_hairpins(files[entry])}
-        wanted = {(tuple(h["closing"]), h["sequence"]) for h in theirs}
-        if ours != wanted:
-            differing[entry] = {closing for closing, _ in ours ^ wanted}
+        expected = {(tuple(h["closing"]), h["sequence"]) for h in theirs}
+        if ours != expected:
+            differing[entry] = {closing for closing, _ in ours ^ expected}
     assert differing == {entry: set(reasons) for entry, reasons in DIFFERENCES.items()}
 
 

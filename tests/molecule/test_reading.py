@@ -214,21 +214,32 @@ def test_mmcif_without_gemmi_names_the_extra(tmp_path, monkeypatch):
         read_structure(path)
 
 
-def test_a_trajectory_is_read_frame_by_frame_and_given_back(koc):
+def test_a_universe_is_read_in_its_current_frame_and_left_there(koc):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         import MDAnalysis
 
         universe = MDAnalysis.Universe(str(KOC))
-    universe.trajectory[4]
+    universe.trajectory[7]
     structure = read_structure(universe)
-    assert (structure.name, structure.source, structure.n_models) == ("universe", None, 20)
-    frames = list(structure.models())
-    assert universe.trajectory.frame == 4
-    assert len(frames) == 20
-    np.testing.assert_array_equal(frames[7], koc.positions(7))
-    with pytest.raises(ValueError, match="`model` is 20"):
-        structure.positions(20)
+    assert (structure.name, structure.source, structure.n_models) == ("universe", None, 1)
+    assert universe.trajectory.frame == 7
+    universe.trajectory[2]
+    (positions,) = structure.models()
+    np.testing.assert_array_equal(positions, koc.positions(7))
+    with pytest.raises(ValueError, match="`model` is 1"):
+        structure.positions(1)
+
+
+def test_of_a_group_of_atoms_only_those_are_read(koc):
+    group = koc.universe.select_atoms("resid 4:11 and not (resid 6 and name P)")
+    part = read_structure(group)
+    assert "".join(part.nucleotides.letter) == "ACUUCGGU"
+    whole = koc.nucleotides.atom_index[3:11]
+    changed = part.nucleotides.atom_index != whole
+    assert changed.sum() == 1
+    assert part.nucleotides.atom_index[changed] == -1
+    np.testing.assert_array_equal(part.positions(0).shape, koc.positions(0).shape)
 
 
 def test_positions_set_by_the_user_are_the_ones_read(koc):
@@ -250,7 +261,7 @@ def test_positions_are_read_only_doubles(koc):
 
 
 def test_what_is_no_structure_at_all(koc):
-    for thing in (42, koc.universe.atoms):
+    for thing in (42, None, koc.nucleotides):
         with pytest.raises(ValueError, match="`source`"):
             read_structure(thing)
 

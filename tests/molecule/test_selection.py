@@ -104,11 +104,11 @@ def test_a_pair_that_is_not_in_the_file(koc, pair, fact):
 def test_a_loop_by_its_ends_is_the_loop_that_is_found(koc):
     (found,) = find_hairpins(koc)
     for text in ("A.6-9", "A.U6-A.G9", "6-9", "A6-9"):
-        (asked,) = find_hairpins(koc, loop=text)
-        assert asked.name == found.name
-        np.testing.assert_array_equal(asked.loop, found.loop)
-        np.testing.assert_array_equal(asked.stem_5, found.stem_5)
-        assert asked.sequence == found.sequence
+        (named,) = find_hairpins(koc, loop=text)
+        assert named.name == found.name
+        np.testing.assert_array_equal(named.loop, found.loop)
+        np.testing.assert_array_equal(named.stem_5, found.stem_5)
+        assert named.sequence == found.sequence
 
 
 def test_a_loop_on_what_is_no_pair_says_so(koc):
@@ -148,10 +148,10 @@ def test_insertion_codes_and_negative_numbers(pdb, koc_lines):
     assert hairpin.residues == ("A.U6^A",)
 
 
-def test_with_insertion_codes_the_numbers_do_not_tell_a_length(pdb, koc_lines):
+def test_with_insertion_codes_the_numbers_give_no_length(pdb, koc_lines):
     numbers = {k: f"{k:4d} " for k in range(1, 15)} | {7: "   6A", 8: "   6B"}
     lines = [line for line in renumbered(koc_lines, numbers) if line[22:27] != "   6A"]
-    with pytest.raises(StructureError, match="do not tell how many"):
+    with pytest.raises(StructureError, match="do not say how many"):
         find_hairpins(pdb(lines), loop="A.6-9")
 
 

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from loopelastica.errors import StructureError
 from loopelastica.molecule.ends import stem_ends
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import centroids
 from loopelastica.molecule.strands import A_RNA, line_frame
 from loopelastica.molecule.trace import (
     loop_arc_positions,
-    native_line,
+    native_backbone,
     rmsd_A,
     smoothed_line,
     to_file_coordinates,
@@ -52,21 +51,21 @@ def test_smoothed_line_of_an_ideal_helix_is_that_helix():
     assert rmsd_A(line, exact) < 0.1
 
 
-def test_native_line_passes_the_loop_at_its_arc_positions(koc):
+def test_the_native_line_passes_the_loop_at_its_arc_positions(koc):
     (hairpin,) = find_hairpins(koc)
     n_points = 8 * 50 + 1
-    line = native_line(koc.nucleotides, hairpin, koc.positions(0), n_points)
+    backbone = native_backbone(koc.nucleotides, hairpin, koc.positions(0))
+    line = smoothed_line(backbone, n_points)
     index = np.round(loop_arc_positions(len(hairpin)) * (n_points - 1)).astype(int)
     native = centroids(koc.nucleotides, koc.positions(0))[hairpin.loop]
     np.testing.assert_allclose(line[index], native, atol=1e-9)
 
 
-def test_native_line_names_the_nucleotide_that_is_not_whole(koc):
+def test_a_loop_that_is_not_whole_has_no_native_backbone(koc):
     (hairpin,) = find_hairpins(koc)
     positions = koc.positions(0).copy()
     positions[koc.nucleotides.columns(("C4'",))[6]] = np.nan
-    with pytest.raises(StructureError, match=r"A\.U7: "):
-        native_line(koc.nucleotides, hairpin, positions)
+    assert native_backbone(koc.nucleotides, hairpin, positions) is None
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,7 @@
-"""The whole structure with the trace in place, and the scripts of the viewers."""
+"""The whole structure with the trace in place."""
 
 import gzip
 import json
-import re
 import warnings
 
 import numpy as np
@@ -11,8 +10,7 @@ import pytest
 import loopelastica as le
 from loopelastica._files import data_path
 from loopelastica.molecule.nucleotides import read_structure
-from loopelastica.report.folder import write_fold
-from loopelastica.report.pdb import WholeStructure, one_letter_chains, path_from
+from loopelastica.report.pdb import WholeStructure, one_letter_chains
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
 
@@ -21,34 +19,16 @@ def atoms(text):
     return [s for s in text.splitlines() if s.startswith(("ATOM", "HETATM"))]
 
 
-def first_model(path=HAIRPIN):
-    return atoms(path.read_text().split("ENDMDL")[0])
-
-
-def written(path, folder, **options):
-    """Fold the first loop of a file and write its folder."""
-    structure = read_structure(path)
-    fold = le.fold(structure, all_models=False, **options)[0]
-    out = folder / "out" / "loop"
-    write_fold(out, path, fold, structure, plot=False, whole=WholeStructure(structure))
-    return out, fold
-
-
-@pytest.fixture(scope="module")
-def shipped(tmp_path_factory):
-    return written(HAIRPIN, tmp_path_factory.mktemp("shipped"))
-
-
 def points_and_rest(whole):
     records = atoms(whole.read_text())
     points = [s for s in records if s[12:16] == " CEN"]
     return points, [s for s in records if s[12:16] != " CEN"]
 
 
-def test_all_but_the_loop_is_bit_identical(shipped):
+def test_all_but_the_loop_is_bit_identical(shipped, koc_lines):
     folder, fold = shipped
     points, rest = points_and_rest(folder / "whole.pdb")
-    assert rest == [s for s in first_model() if int(s[22:26]) not in (6, 7, 8, 9)]
+    assert rest == [s for s in koc_lines if int(s[22:26]) not in (6, 7, 8, 9)]
     assert [int(s[22:26]) for s in points] == [6, 7, 8, 9]
     assert [s[17:22] for s in points] == ["  U A", "  U A", "  C A", "  G A"]
     places = [[float(s[30 + 8 * k : 38 + 8 * k]) for k in range(3)] for s in points]
@@ -72,8 +52,8 @@ def test_mdanalysis_reads_the_whole_structure(shipped):
     assert len(universe.select_atoms("name CEN").bonds) == 3
 
 
-def test_a_loop_that_is_absent_gets_its_points(tmp_path):
-    kept = [s for s in first_model() if int(s[22:26]) not in (6, 7, 8, 9)]
+def test_a_loop_that_is_absent_gets_its_points(tmp_path, written, koc_lines):
+    kept = [s for s in koc_lines if int(s[22:26]) not in (6, 7, 8, 9)]
     path = tmp_path / "absent.pdb"
     path.write_text("\n".join([*kept, "END", ""]))
     folder, fold = written(path, tmp_path, loop="A.6-9")
@@ -90,8 +70,8 @@ def test_a_loop_that_is_absent_gets_its_points(tmp_path):
     assert content["hairpin"]["residues"] == ["A.N6", "A.N7", "A.N8", "A.N9"]
 
 
-def test_both_halves_of_a_loop_residue_with_two_names_give_way(tmp_path):
-    lines = first_model()
+def test_both_halves_of_a_loop_residue_with_two_names_give_way(tmp_path, written, koc_lines):
+    lines = koc_lines
     sixth = [s for s in lines if s[22:26] == "   6"]
     k = lines.index(sixth[0])
     both = [f"{s[:16]}A  U{s[20:54]}  0.30{s[60:]}" for s in sixth]
@@ -108,8 +88,8 @@ def test_both_halves_of_a_loop_residue_with_two_names_give_way(tmp_path):
     ]
 
 
-def test_a_compressed_file_with_other_records(tmp_path):
-    lines = first_model()
+def test_a_compressed_file_with_other_records(tmp_path, written, koc_lines):
+    lines = koc_lines
     fifth = max(k for k, s in enumerate(lines) if s[22:26] == "   5")
     sixth = fifth + 1
     odd = [
@@ -145,7 +125,7 @@ def long_chain(tmp_path):
     return path
 
 
-def test_a_long_chain_name_is_kept_where_it_can_be(long_chain, tmp_path):
+def test_a_long_chain_name_is_kept_where_it_can_be(long_chain, tmp_path, written, koc_lines):
     folder, fold = written(long_chain, tmp_path)
     assert fold.hairpin.name == "RNA26-9"
     assert json.loads((folder / "ranking.json").read_text())["hairpin"]["chain"] == "RNA2"
@@ -155,7 +135,7 @@ def test_a_long_chain_name_is_kept_where_it_can_be(long_chain, tmp_path):
         assert "REMARK  99 CHAIN RNA2 IS WRITTEN AS A\n" in text
         assert {s[21] for s in atoms(text)} == {"A"}
     _, rest = points_and_rest(folder / "whole.pdb")
-    expected = [s for s in first_model() if int(s[22:26]) not in (6, 7, 8, 9)]
+    expected = [s for s in koc_lines if int(s[22:26]) not in (6, 7, 8, 9)]
     assert [s[12:54] for s in rest] == [s[12:54] for s in expected]
     assert "chain RNA2 and resi" in (folder / "view.pml").read_text()
 
@@ -167,37 +147,7 @@ def test_letters_of_chains():
     assert all(len(letter) == 1 for letter in many.values())
 
 
-@pytest.mark.parametrize(
-    ("script", "load"),
-    [("view.pml", r"^load (.*), native$"), ("view.cxc", r'^open "(.*)"$')],
-)
-def test_scripts_show_every_candidate_over_the_file(shipped, script, load):
-    folder, fold = shipped
-    text = (folder / script).read_text()
-    (source,) = re.findall(load, text, re.M)
-    assert (folder / source).resolve() == HAIRPIN.resolve()
-    assert "traces.pdb" in text
-    names = {"view.pml": "color 0x{}, rank_{:04d}", "view.cxc": "color #1.{1} #{0}"}
-    for candidate, colour in zip(fold.candidates, ("1f77b4", "ff7f0e", "2ca02c"), strict=False):
-        assert names[script].format(colour, candidate.rank) in text
-    assert re.search(r"chain A and resi 6\+7\+8\+9|#2\.1/A:6,7,8,9", text)
-
-
-def test_scripts_escape_negative_numbers(tmp_path):
-    lines = [s[:22] + f"{int(s[22:26]) - 8:4d}" + s[26:] for s in first_model()]
-    path = tmp_path / "negative.pdb"
-    path.write_text("\n".join([*lines, "END", ""]))
-    folder, _ = written(path, tmp_path)
-    assert r"resi \-2+\-1+0+1" in (folder / "view.pml").read_text()
-    assert "/A:-2,-1,0,1 atoms" in (folder / "view.cxc").read_text()
-
-
-def test_paths_hold_when_both_ends_are_moved(tmp_path):
-    (tmp_path / "a").mkdir()
-    assert path_from(tmp_path / "out" / "x", tmp_path / "a" / "b.pdb") == "../../a/b.pdb"
-
-
-def test_a_protein_with_the_same_numbers_stays(hairpin_folder, tmp_path):
+def test_a_protein_with_the_same_numbers_stays(hairpin_folder, tmp_path, written):
     path = hairpin_folder / "boxb_nochain.pdb.gz"
     folder, fold = written(path, tmp_path)
     lines = atoms(gzip.decompress(path.read_bytes()).decode())
@@ -209,7 +159,7 @@ def test_a_protein_with_the_same_numbers_stays(hairpin_folder, tmp_path):
     assert sum(s[17:20].strip() not in set("ACGU") for s in rest) > 300
 
 
-def test_a_universe_is_written_at_its_frame(tmp_path):
+def test_a_universe_is_written_at_its_frame(tmp_path, koc_lines):
     import MDAnalysis as mda
 
     with warnings.catch_warnings():
@@ -220,5 +170,5 @@ def test_a_universe_is_written_at_its_frame(tmp_path):
     WholeStructure(structure).write(tmp_path / "whole.pdb", fold)
     points, rest = points_and_rest(tmp_path / "whole.pdb")
     assert len(points) == 4
-    expected = [s for s in first_model() if int(s[22:26]) not in (6, 7, 8, 9)]
+    expected = [s for s in koc_lines if int(s[22:26]) not in (6, 7, 8, 9)]
     assert [s[12:54] for s in rest] == [s[12:54] for s in expected]

@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from loopelastica._arrays import Array, read_only
-from loopelastica.rod._arguments import check_positive
+from loopelastica._checks import positive
 
 # in place of t_P = 0 (end of section 4.2)
 _NO_TWIST = 1e-3
@@ -172,7 +172,7 @@ def build(
     from loopelastica.rod.paper import grid_kernels
 
     for name, value in (("size", size), ("step", step), ("torsion_ratio", torsion_ratio)):
-        check_positive(name, value)
+        positive(name, value)
     lams = _ladder(-size, size, step)
     t_ps = _ladder(0.0 if symmetry else -size, size, step)
     pairs = [(float(lam), float(t_p)) for lam in lams for t_p in t_ps]
@@ -231,7 +231,7 @@ def trial_points(size: float, step: float, spacing: float, workers: int | None =
     from loopelastica.rod.paper import grid_kernels
 
     for name, value in (("size", size), ("step", step), ("spacing", spacing)):
-        check_positive(name, value)
+        positive(name, value)
     margin = 0.5 * step
     side = _ladder(-size + margin, size - margin, spacing * step)
     # the ladder meets 0 up to rounding

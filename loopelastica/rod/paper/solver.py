@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from loopelastica._arrays import Array
-from loopelastica.rod._arguments import check_positive
+from loopelastica._checks import positive
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.paper import grid as _grid
 from loopelastica.rod.paper.solutions import (
@@ -99,7 +99,7 @@ class PaperSolver:
             if given not in choices:
                 raise ValueError(f"`{name}` is {given!r}; it must be one of {sorted(choices)}")
         for name in ("l", "delta", "torsion_ratio", "tolerance"):
-            object.__setattr__(self, name, check_positive(name, getattr(self, name)))
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
 
     @property
     def grid(self) -> _grid.Grid:

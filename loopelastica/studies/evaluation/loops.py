@@ -11,9 +11,12 @@ from loopelastica._arrays import Array
 from loopelastica.batch.journal import Record
 from loopelastica.batch.run import Task, Work
 from loopelastica.errors import StructureError
-from loopelastica.folding.fold import LoopFold, checked_parameters, clamping_of, fold_positions
+from loopelastica.folding.clamping import clamping_of
+from loopelastica.folding.fold import fold_model
+from loopelastica.folding.options import FoldOptions
+from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.clamp_rule import StemClamp, plain_clamp
-from loopelastica.molecule.ends import PlacedStem, StemEnds, placed_stem
+from loopelastica.molecule.ends import FittedStem, StemEnds, fit_stem
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.molecule.trace import loop_arc_positions, rmsd_A, to_file_coordinates
@@ -52,11 +55,11 @@ def evaluate_file(task: Task) -> Record:
     structure = read_structure(source)
     hairpins = find_hairpins(structure)
     rows, failures = [], []
-    parameters = checked_parameters(max_candidates=1000)
-    plain = checked_parameters(max_candidates=1000, **PLAIN)
+    options = FoldOptions(max_candidates=1000)
+    plain = FoldOptions(max_candidates=1000, **PLAIN)
     models = list(structure.models())
     for hairpin in hairpins:
-        folds = [fold_positions(structure.nucleotides, hairpin, x, **parameters) for x in models]
+        folds = [fold_model(structure.nucleotides, hairpin, x, options) for x in models]
         first = folds[0]
         if first.failure is not None:
             failures.append(f"{source.name}: {first.failure}")
@@ -64,8 +67,8 @@ def evaluate_file(task: Task) -> Record:
         if first.backbone_A is None:
             failures.append(f"{source.name}: {hairpin.name}: a loop atom is missing; not compared")
             continue
-        plain_fold = fold_positions(structure.nucleotides, hairpin, models[0], **plain)
-        stem = placed_stem(structure.nucleotides, hairpin, models[0])
+        plain_fold = fold_model(structure.nucleotides, hairpin, models[0], plain)
+        stem = fit_stem(structure.nucleotides, hairpin, models[0])
         row = _about(source, first, len(hairpins)) | _by_rank(folds) | _by_curves(first, plain_fold)
         native = np.asarray(first.backbone_A)[1:-1]
         middle, axes = stem_axes(stem.ends(plain_clamp(hairpin.is_dna)))
@@ -106,7 +109,7 @@ def _about(source: Path, fold: LoopFold, n_hairpins: int) -> dict[str, Any]:
         "type": motif(sequence),
         # relatives share one: what is fitted on a loop is not judged on its family
         "family": f"{kind} {name if name in ('GNRA', 'UNCG') else sequence}",
-        "closing_pair": "–".join(hairpin.closing_pair),
+        "closing_pair": hairpin.label,
         "closing_type": f"{sequence[0]}-{sequence[-1]}",
         "sequence": hairpin.sequence,
         "nucleotides": len(hairpin),
@@ -164,7 +167,7 @@ def _by_curves(fold: LoopFold, plain: LoopFold) -> dict[str, Any]:
     return row
 
 
-def _grid(stem: PlacedStem, native: Array) -> list[list[float | None]]:
+def _grid(stem: FittedStem, native: Array) -> list[list[float | None]]:
     """RMSD of the lowest rod at each taper and extension, taken back where none spans the ends."""
     length = plain_clamp(stem.hairpin.is_dna).length_per_nucleotide_A
     solved: dict[StemClamp, float] = {}

@@ -10,9 +10,8 @@ that cannot be built is written as its parent.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,9 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
+from loopelastica._files import write_json
 from loopelastica.atoms.model import AtomModel
 from loopelastica.atoms.site import elements, waters
-from loopelastica.folding.fold import LoopFold
+from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure
 from loopelastica.molecule.reading import quiet
 
@@ -54,23 +54,9 @@ class LoopAtoms:
         return tuple(model for model in self.models if model.checks.sound)
 
     def columns(self, rank: int) -> dict[str, Any]:
-        """What a row of ranking.csv says about the atoms of one candidate; empty cells if none."""
+        """The columns of ranking.csv on the atoms of one candidate; empty cells if it has none."""
         found = next((m for m in self.models if m.rank == rank), None)
-        if found is None:
-            return dict.fromkeys(_COLUMNS)
-        c = found.checks
-        values = (
-            found.relaxed.message,
-            c.sound,
-            found.rmsd_A,
-            c.bonds_within,
-            c.angles_within,
-            c.chain_worst_A,
-            c.closest_A,
-            c.clashes_per_1000,
-            c.line_after_A,
-        )
-        return dict(zip(_COLUMNS, values, strict=True))
+        return {n: None if found is None else value(found) for n, value in _COLUMNS.items()}
 
     def sticks(self, rank: int) -> Array | None:
         """Bonds (m, 2, 3) of one candidate's atoms in the coordinates of the file, Å."""
@@ -78,28 +64,32 @@ class LoopAtoms:
         return None if found is None else found.positions_A[np.array(found.molecule.bonds)]
 
 
-_COLUMNS: Final = (
-    "atoms_status",
-    "atoms_sound",
-    "atoms_rmsd_A",
-    "atoms_bonds_within",
-    "atoms_angles_within",
-    "atoms_chain_worst_A",
-    "atoms_closest_A",
-    "atoms_clashes_per_1000",
-    "atoms_line_A",
-)
+_COLUMNS: Final[dict[str, Callable[[AtomModel], Any]]] = {
+    "atoms_status": lambda model: model.relaxed.message,
+    "atoms_sound": lambda model: model.checks.sound,
+    "atoms_rmsd_A": lambda model: model.rmsd_A,
+    "atoms_bonds_within": lambda model: model.checks.bonds_within,
+    "atoms_angles_within": lambda model: model.checks.angles_within,
+    "atoms_chain_worst_A": lambda model: model.checks.chain_worst_A,
+    "atoms_closest_A": lambda model: model.checks.closest_A,
+    "atoms_clashes_per_1000": lambda model: model.checks.clashes_per_1000,
+    "atoms_line_A": lambda model: model.checks.line_after_A,
+}
 
 
 def write_atoms(folder: Path, atoms: LoopAtoms) -> None:
     """Write the files of one loop into a folder.
 
     atoms.cif only where gemmi is installed; where no model is sound, atoms.json alone says so.
+
+    Parameters
+    ----------
+    folder : Path
+        Where they go.
+    atoms : LoopAtoms
+        What they show.
     """
-    content = report(atoms)
-    (folder / "atoms.json").write_text(
-        json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8"
-    )
+    write_json(folder / "atoms.json", content(atoms))
     if not atoms.written:
         return
     write_pdb(folder / "atoms.pdb", atoms)
@@ -114,25 +104,43 @@ def write_atoms(folder: Path, atoms: LoopAtoms) -> None:
 
 
 def write_pdb(path: Path, atoms: LoopAtoms) -> None:
-    """The full structure with one MODEL per candidate."""
+    """Write the full structure with one MODEL per candidate.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    atoms : LoopAtoms
+        With at least one sound model.
+    """
     import MDAnalysis as mda
 
-    universe, loop, kept = _universe(atoms)
+    rows = _rows(atoms)
+    universe = _universe(atoms, rows)
     bonds = "all" if len(universe.atoms) <= _LAST_SERIAL else None
     with (
         quiet(),
         mda.Writer(str(path), n_atoms=len(universe.atoms), multiframe=True, bonds=bonds) as writer,
     ):
         for model in atoms.written:
-            positions = np.empty((len(universe.atoms), 3))
-            positions[loop] = model.positions_A[model.molecule.loop_atoms]
-            positions[~loop] = atoms.positions[kept]
-            universe.atoms.positions = positions
+            universe.atoms.positions = np.where(
+                rows.is_loop[:, None],
+                model.positions_A[rows.in_loop],
+                atoms.positions[rows.in_file],
+            )
             writer.write(universe.atoms)
 
 
 def write_sdf(path: Path, models: Sequence[AtomModel]) -> None:
-    """The loop and the atoms of the stem it is bonded to, with bond orders and charges."""
+    """Write the loop and the atoms of the stem it is bonded to, with bond orders and charges.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    models : sequence of AtomModel
+        A record each.
+    """
     from rdkit import Chem
     from rdkit.Geometry import Point3D
 
@@ -154,7 +162,7 @@ def write_sdf(path: Path, models: Sequence[AtomModel]) -> None:
             writer.write(mol)
 
 
-def report(atoms: LoopAtoms) -> dict[str, Any]:
+def content(atoms: LoopAtoms) -> dict[str, Any]:
     """The content of atoms.json."""
     table, hairpin = atoms.structure.nucleotides, atoms.fold.hairpin
     built = atoms.models[0].molecule.residues if atoms.models else ()
@@ -172,17 +180,8 @@ def report(atoms: LoopAtoms) -> dict[str, Any]:
                 "steps": model.relaxed.steps,
                 "cost": model.relaxed.cost,
                 "rmsd_A": model.rmsd_A,
-                "omega_deg": model.turns.omega_deg,
-                "chi_change_deg": model.turns.chi_change_deg,
-                "score": model.turns.score,
-                "alternatives": [
-                    {
-                        "omega_deg": other.omega_deg,
-                        "chi_change_deg": other.chi_change_deg,
-                        "score": other.score,
-                    }
-                    for other in model.alternatives
-                ],
+                **asdict(model.turns),
+                "alternatives": [asdict(other) for other in model.alternatives],
                 "checks": model.checks.to_dict(),
             }
             for model in atoms.models
@@ -190,83 +189,117 @@ def report(atoms: LoopAtoms) -> dict[str, Any]:
     }
 
 
-def _universe(atoms: LoopAtoms) -> tuple[Any, NDArray[np.bool_], NDArray[np.int64]]:
-    """Universe of the output, which of its atoms are the loop's, and the file rows of the rest."""
-    import MDAnalysis as mda
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """Atoms of the output: which are the loop's, and where each comes from.
 
-    source, molecule = atoms.structure.universe, atoms.models[0].molecule
-    table, hairpin = atoms.structure.nucleotides, atoms.fold.hairpin
-    c1 = table.columns(["C1'"])[hairpin.loop, 0]
-    loop_residues = source.atoms.resindices[c1].tolist()
-    keep = ~np.isin(source.atoms.resindices, loop_residues) & ~_displaced(atoms)
-    kept = np.flatnonzero(keep)
-    rows: list[tuple[int, int]] = [(int(source.atoms.resindices[i]), int(i)) for i in kept]
+    `residue` (n,) is their residue in the structure; `in_file` (n,) and `in_loop` (n,) are rows of
+    the structure's atoms and of the molecule, of which `is_loop` (n,) says which one counts.
+    """
+
+    residue: NDArray[np.int64]
+    is_loop: NDArray[np.bool_]
+    in_file: NDArray[np.int64]
+    in_loop: NDArray[np.int64]
+    loop_residues: list[int]
+
+
+def _rows(atoms: LoopAtoms) -> _Rows:
+    source, molecule = atoms.structure.universe.atoms, atoms.models[0].molecule
+    c1 = atoms.structure.nucleotides.columns(["C1'"])[atoms.fold.hairpin.loop, 0]
+    loop_residues = source.resindices[c1].tolist()
+    kept = np.flatnonzero(~np.isin(source.resindices, loop_residues) & ~_displaced(atoms))
     # −1 − r stands for row r of the molecule
+    rows: list[tuple[int, int]] = [(int(source.resindices[i]), int(i)) for i in kept]
     rows += [(loop_residues[molecule.residue[r]], -1 - r) for r in molecule.loop_atoms]
     rows.sort(key=lambda row: row[0])
-    residues, resindex = np.unique([r for r, _ in rows], return_inverse=True)
-    origin = np.array([i for _, i in rows])
-    loop = origin < 0
-    old = np.where(loop, 0, origin)
-    names = np.array(molecule.names, dtype=object)
-    symbols = np.array([a.GetSymbol() for a in molecule.mol.GetAtoms()], dtype=object)
-    own = np.where(loop, -1 - origin, 0)
+    residue, origin = np.array(rows, dtype=np.int64).T
+    is_loop = origin < 0
+    return _Rows(
+        residue,
+        is_loop,
+        np.where(is_loop, 0, origin),
+        np.where(is_loop, -1 - origin, 0),
+        loop_residues,
+    )
 
-    def atom(attribute: str, default: Any, of_loop: Any) -> Any:
-        values = getattr(source.atoms, attribute, np.full(len(source.atoms), default, dtype=object))
-        return np.where(loop, of_loop, np.asarray(values, dtype=object)[old])
 
-    def residue(attribute: str, default: Any) -> Any:
-        values = getattr(source.residues, attribute, None)
-        return (
-            np.full(len(residues), default, dtype=object)
-            if values is None
-            else np.asarray(values, dtype=object)[residues]
-        )
+def _universe(atoms: LoopAtoms, rows: _Rows) -> Any:
+    """Universe of the output, without coordinates."""
+    import MDAnalysis as mda
 
-    resname = residue("resnames", "UNK")
-    for place, built in zip(loop_residues, molecule.residues, strict=True):
-        if built.renamed:
-            resname[np.flatnonzero(residues == place)[0]] = built.standard
+    source = atoms.structure.universe
+    residues, resindex = np.unique(rows.residue, return_inverse=True)
     segments, segindex = np.unique(source.residues.segindices[residues], return_inverse=True)
     with quiet():
         universe = mda.Universe.empty(
-            len(rows),
+            len(rows.residue),
             n_residues=len(residues),
             n_segments=len(segments),
             atom_resindex=resindex,
             residue_segindex=segindex,
             trajectory=True,
         )
-        symbol = np.where(loop, symbols[own], np.char.capitalize(elements(atoms.structure))[old])
-        for name, values in {
-            "name": np.where(loop, names[own], np.asarray(source.atoms.names, dtype=object)[old]),
-            "element": atom("elements", "", symbol)
-            if hasattr(source.atoms, "elements")
-            else symbol,
-            "type": symbol,
-            "record_type": atom("record_types", "ATOM", "ATOM"),
-            "altLoc": atom("altLocs", "", ""),
-            "occupancy": atom("occupancies", 1.0, 1.0).astype(float),
-            "tempfactor": atom("tempfactors", 0.0, 0.0).astype(float),
-            "chainID": atom("chainIDs", "", hairpin.chain[:1]),
-            "resname": resname,
-            "resid": residue("resids", 1).astype(int),
-            "icode": residue("icodes", ""),
+        attributes = {
+            **_atom_attributes(atoms, rows),
+            **_residue_attributes(atoms, rows, residues),
             "segid": source.segments.segids[segments],
-            "bonds": _bonds(atoms, loop, own, old),
-        }.items():
+            "bonds": _bonds(atoms, rows),
+        }
+        for name, values in attributes.items():
             universe.add_TopologyAttr(name, list(values))
-    return universe, loop, origin[~loop]
+    return universe
 
 
-def _bonds(
-    atoms: LoopAtoms, loop: NDArray[np.bool_], own: NDArray[np.int64], old: NDArray[np.int64]
-) -> list[tuple[int, int]]:
+def _atom_attributes(atoms: LoopAtoms, rows: _Rows) -> dict[str, Any]:
+    source, molecule = atoms.structure.universe.atoms, atoms.models[0].molecule
+
+    def merged(values: Any, of_loop: Any) -> Any:
+        return np.where(rows.is_loop, of_loop, np.asarray(values, dtype=object)[rows.in_file])
+
+    def atom(attribute: str, default: Any) -> Any:
+        values = getattr(source, attribute, np.full(len(source), default, dtype=object))
+        return merged(values, default)
+
+    names = np.array(molecule.names, dtype=object)[rows.in_loop]
+    symbols = np.array([a.GetSymbol() for a in molecule.mol.GetAtoms()], dtype=object)[rows.in_loop]
+    symbol = merged(np.char.capitalize(elements(atoms.structure)), symbols)
+    own = getattr(source, "elements", None)
+    chain = atoms.fold.hairpin.chain[:1]
+    return {
+        "name": merged(source.names, names),
+        "element": symbol if own is None else merged(own, symbol),
+        "type": symbol,
+        "record_type": atom("record_types", "ATOM"),
+        "altLoc": atom("altLocs", ""),
+        "occupancy": atom("occupancies", 1.0).astype(float),
+        "tempfactor": atom("tempfactors", 0.0).astype(float),
+        "chainID": merged(getattr(source, "chainIDs", np.full(len(source), "")), chain),
+    }
+
+
+def _residue_attributes(
+    atoms: LoopAtoms, rows: _Rows, residues: NDArray[np.int64]
+) -> dict[str, Any]:
+    source = atoms.structure.universe.residues
+
+    def residue(attribute: str, default: Any) -> Any:
+        values = getattr(source, attribute, np.full(len(source), default, dtype=object))
+        return np.asarray(values, dtype=object)[residues]
+
+    resname = residue("resnames", "UNK")
+    for place, built in zip(rows.loop_residues, atoms.models[0].molecule.residues, strict=True):
+        if built.renamed:
+            resname[np.flatnonzero(residues == place)[0]] = built.standard
+    resid = residue("resids", 1).astype(int)
+    return {"resname": resname, "resid": resid, "icode": residue("icodes", "")}
+
+
+def _bonds(atoms: LoopAtoms, rows: _Rows) -> list[tuple[int, int]]:
     """Bonds with a loop atom in them, in rows of the output."""
     molecule, table = atoms.models[0].molecule, atoms.structure.nucleotides
-    place = {int(own[row]): int(row) for row in np.flatnonzero(loop)}
-    where = {int(old[row]): int(row) for row in np.flatnonzero(~loop)}
+    place = {int(rows.in_loop[row]): int(row) for row in np.flatnonzero(rows.is_loop)}
+    where = {int(rows.in_file[row]): int(row) for row in np.flatnonzero(~rows.is_loop)}
     closing = {-1: int(atoms.fold.hairpin.stem_5[0])}
     closing[len(molecule.residues)] = int(atoms.fold.hairpin.stem_3[0])
     for row, (residue, name) in enumerate(zip(molecule.residue, molecule.names, strict=True)):

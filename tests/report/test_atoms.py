@@ -6,7 +6,7 @@ import pytest
 from rdkit import Chem
 
 from loopelastica._files import data_path
-from loopelastica.atoms.write import write_atoms
+from loopelastica.report.atoms import write_atoms
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,86 @@
+"""Checks of arguments: each gives the value back in its own type or a ValueError that names it."""
+
+import math
+from collections.abc import Callable
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+Check = Callable[[str, Any], Any]
+
+
+def flag(name: str, value: Any) -> bool:
+    """True or False, of Python or NumPy; no number, no text."""
+    if not isinstance(value, bool | np.bool_):
+        raise ValueError(f"`{name}` is {value!r}; it must be True or False")
+    return bool(value)
+
+
+def positive(name: str, value: Any) -> float:
+    """A positive, finite number."""
+    if not (_is_real(value) and math.isfinite(value) and value > 0):
+        raise ValueError(f"`{name}` is {value!r}; it must be a positive, finite number")
+    return float(value)
+
+
+def between(low: float, high: float) -> Check:
+    """A number from `low` to `high`."""
+
+    def check(name: str, value: Any) -> float:
+        if not (_is_real(value) and low <= value <= high):
+            raise ValueError(f"`{name}` is {value!r}; it must be a number from {low:g} to {high:g}")
+        return float(value)
+
+    return check
+
+
+def whole(least: int) -> Check:
+    """A whole number, `least` or more."""
+
+    def check(name: str, value: Any) -> int:
+        number = _is_real(value) and math.isfinite(value) and value == int(value)
+        if not (number and value >= least):
+            raise ValueError(f"`{name}` is {value!r}; it must be a whole number, {least} or more")
+        return int(value)
+
+    return check
+
+
+def optional(check: Check) -> Check:
+    """None, or what another check lets pass."""
+    return lambda name, value: None if value is None else check(name, value)
+
+
+def text(name: str, value: Any) -> str:
+    """A text."""
+    if not isinstance(value, str):
+        raise ValueError(f"`{name}` is {value!r}; it must be a text")
+    return value
+
+
+def texts(name: str, value: Any) -> tuple[str, ...]:
+    """One text or a sequence of them, as a tuple."""
+    found = (value,) if isinstance(value, str) else value
+    if not (isinstance(found, list | tuple) and all(isinstance(one, str) for one in found)):
+        raise ValueError(f"`{name}` is {value!r}; it must be a text or a list of texts")
+    return tuple(found)
+
+
+def numbers(low: float, high: float) -> Check:
+    """One or more numbers from `low` to `high`, as a tuple."""
+
+    def check(name: str, value: Any) -> tuple[float, ...]:
+        try:
+            found = () if isinstance(value, str) else tuple(value)
+        except TypeError:
+            found = ()
+        if not found:
+            raise ValueError(f"`{name}` is {value!r}; it must be one or more numbers")
+        return tuple(between(low, high)(name, one) for one in found)
+
+    return check
+
+
+def _is_real(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)

@@ -1,0 +1,48 @@
+"""``loopelastica solve``: the dimensionless rod by itself."""
+
+import json
+from typing import Annotated
+
+import typer
+
+from loopelastica.cli import options as o
+
+
+def solve(
+    clamping: Annotated[
+        str,
+        typer.Option(
+            "--clamping", help='The six clamping parameters, e.g. "-0.4 -0.1 0.5 4.8 1.4 2.2".'
+        ),
+    ],
+    torsion_ratio: Annotated[float, typer.Option(help="K30 = K3/K0.")] = 1.0,
+    free_spin: Annotated[
+        bool, typer.Option("--free-spin", help="Let the end turn about its tangent.")
+    ] = False,
+    energy_max: Annotated[
+        float | None, typer.Option(help="List equilibria up to this energy, in K0/L.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Solve a dimensionless rod: its equilibria for a clamping (η1 η2 η3 ψ θ φ), angles in rad."""
+    from loopelastica.rod.clamping import Clamping
+    from loopelastica.rod.equilibria import equilibria
+
+    try:
+        values = [float(v) for v in clamping.replace(",", " ").split()]
+        rods = equilibria(Clamping.from_parameters(values, free_spin), torsion_ratio, energy_max)
+    except ValueError as error:
+        raise typer.BadParameter(f"--clamping {clamping!r}: {error}") from None
+    if as_json:
+        found = {
+            "energy_max": rods.energy_max,
+            "unseen": rods.unseen,
+            "equilibria": [rod.to_dict() for rod in rods],
+        }
+        typer.echo(json.dumps(found, indent=1, allow_nan=False))
+    elif rods:
+        from loopelastica.report.tables import console, equilibria_table
+
+        console().print(equilibria_table(rods))
+    if not rods:
+        o.fail([f"--clamping {clamping!r}: no equilibrium found in {rods.starts} starts"])

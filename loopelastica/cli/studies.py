@@ -1,0 +1,31 @@
+"""``loopelastica evaluate`` and ``bench``: how good the program is, on real loops and on rods."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from loopelastica.cli import options as o
+from loopelastica.studies.bench.commands import bench
+
+__all__ = ["bench", "evaluate"]
+
+
+def evaluate(
+    folder: Annotated[
+        Path, typer.Argument(help="Folder of PDB and mmCIF files.", show_default=False)
+    ],
+    out: o.Out = Path("loopelastica-evaluation"),
+    jobs: o.Jobs = None,
+    scheduler: o.Scheduler = None,
+) -> None:
+    """Compare folds and simple curves with the loops of many files; write a scoreboard.
+
+    The same command resumes a run that was stopped.
+    """
+    from loopelastica.studies.evaluation.scoreboard import evaluate as evaluate_folder
+
+    with o.usage():
+        done = evaluate_folder(folder, out, jobs or 1, scheduler, progress=True)
+    typer.echo(f"{done.n_files} files, {done.n_rows} loops: {out / 'scoreboard.md'}")
+    o.fail_of_many(done.failures, out)

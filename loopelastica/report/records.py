@@ -1,0 +1,188 @@
+"""What is recorded of a folded loop: rows of tables, the content of JSON files, its dense line."""
+
+import math
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from loopelastica._arrays import Array
+from loopelastica._files import sha256
+from loopelastica._version import __version__
+from loopelastica.folding.rank import Candidate
+from loopelastica.folding.result import LoopFold
+from loopelastica.molecule.hairpins import Hairpin
+
+LINE_POINTS = 101
+"""Points of line.csv and of the plots, per candidate."""
+
+
+def rmsd_summary(candidate: Candidate) -> tuple[float | None, float | None, int]:
+    """Mean and standard deviation (n − 1) over the models that have this rank, and their number."""
+    values = candidate.rmsd_models_A[np.isfinite(candidate.rmsd_models_A)]
+    if len(values) == 0:
+        return None, None, 0
+    deviation = float(np.std(values, ddof=1)) if len(values) > 1 else None
+    return float(values.mean()), deviation, len(values)
+
+
+def candidate_row(candidate: Candidate) -> dict[str, Any]:
+    """The columns of ranking.csv that describe a candidate."""
+    mean, deviation, count = rmsd_summary(candidate)
+    return {
+        "rank": candidate.rank,
+        "energy_per_A": candidate.energy_per_A,
+        "energy_kT": candidate.energy_kT,
+        "energy_dimensionless": candidate.rod.energy,
+        "stable": candidate.stable,
+        "residual": candidate.residual,
+        "rmsd_A": candidate.rmsd_A,
+        "rmsd_models_mean_A": mean,
+        "rmsd_models_sd_A": deviation,
+        "n_models": count,
+        "length_A": candidate.length_A,
+        "touching": candidate.contacts.touching,
+        "stem_contact_A": finite(candidate.contacts.stem_A),
+        "self_contact_A": finite(candidate.contacts.self_A),
+        "twist_turns": candidate.rod.twist,
+    }
+
+
+def finite(value: float) -> float | None:
+    """A number, or None for what no file can hold."""
+    return value if math.isfinite(value) else None
+
+
+def loop_row(fold: LoopFold) -> dict[str, Any]:
+    """The columns of ranking.csv that name a loop."""
+    hairpin = fold.hairpin
+    return {
+        "chain": hairpin.chain,
+        "loop": hairpin.name,
+        "closing_5": hairpin.closing_pair[0],
+        "closing_3": hairpin.closing_pair[1],
+        "sequence": hairpin.sequence,
+        "stem_rms_A": None if fold.ends is None else fold.ends.rms_A,
+    }
+
+
+def ranking(source: Path | str, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[str, Any]:
+    """The content of ranking.json: all that is needed to repeat and to judge the result.
+
+    Parameters
+    ----------
+    source : Path or str
+        The file that was folded, or the sequence the hairpin was built from.
+    fold : LoopFold
+        What came out.
+    remarks : sequence of str
+        Those of the structure; the loop's own follow.
+
+    Returns
+    -------
+    dict
+        JSON-ready; lengths in Å.
+
+    Raises
+    ------
+    ValueError
+        If `fold` has no candidates.
+    """
+    if fold.ends is None or fold.clamping is None:
+        raise ValueError("`fold` has no candidates to write")
+    given = fold.options.length_per_nucleotide_A is not None
+    default = f"default for {fold.hairpin.kind}"
+    return {
+        **program(),
+        "libraries": {name: version(name) for name in ("numpy", "scipy", "numba", "MDAnalysis")},
+        "input": {"file": source.name, "sha256": sha256(source)}
+        if isinstance(source, Path)
+        else {"sequence": source},
+        "hairpin": {
+            **about(fold.hairpin),
+            "stem_pairs": fold.hairpin.n_pairs,
+            **partners(fold.hairpin),
+        },
+        "parameters": fold.parameters,
+        "length": {
+            "length_A": fold.length_A,
+            "nucleotides": fold.ends.n_free,
+            "per_nucleotide_A": fold.ends.clamp.length_per_nucleotide_A,
+            "from": "option length_per_nucleotide_A" if given else default,
+        },
+        "clamp": {
+            "from": "ideal strands fitted to each stem strand; no loop atom",
+            **fold.ends.clamp.to_dict(),
+            "fit_rms_A": fold.ends.fit_rms_A.tolist(),
+            "stem_rms_A": fold.ends.rms_A,
+            "start_origin_A": fold.ends.start_origin_A.tolist(),
+            "start_frame": fold.ends.start_frame.tolist(),
+            "end_origin_A": fold.ends.end_origin_A.tolist(),
+            "end_frame": fold.ends.end_frame.tolist(),
+            "clamping_parameters": fold.clamping.parameters.tolist(),
+        },
+        "unseen": fold.unseen,
+        "remarks": [*remarks, *fold.remarks],
+        "model_failures": list(fold.model_failures),
+        "candidates": [
+            {
+                **candidate_row(c),
+                "rmsd_models_A": [finite(v) for v in c.rmsd_models_A.tolist()],
+                "trace_A": c.trace.tolist(),
+                "rod": c.rod.to_dict(),
+            }
+            for c in fold.candidates
+        ],
+    }
+
+
+def program() -> dict[str, str]:
+    """Name and version of the program, the head of every JSON file."""
+    return {"program": "loopelastica", "version": __version__}
+
+
+def about(hairpin: Hairpin) -> dict[str, Any]:
+    """What a hairpin is, JSON-ready."""
+    return {
+        "chain": hairpin.chain,
+        "closing_pair": list(hairpin.closing_pair),
+        "residues": list(hairpin.residues),
+        "sequence": hairpin.sequence,
+        "kind": hairpin.kind,
+    }
+
+
+def partners(hairpin: Hairpin) -> dict[str, Any]:
+    """What its loop pairs with outside, JSON-ready."""
+    return {"contacts": [list(pair) for pair in hairpin.contacts], "kissing": list(hairpin.kissing)}
+
+
+def line(fold: LoopFold, candidate: Candidate, n: int = LINE_POINTS) -> dict[str, Array]:
+    """The dense line of a candidate in the file's coordinates.
+
+    Parameters
+    ----------
+    fold : LoopFold
+        The loop.
+    candidate : Candidate
+        One of its shapes.
+    n : int
+        Number of points, evenly spaced along the line.
+
+    Returns
+    -------
+    dict
+        ``s`` (n,) and ``points`` (n, 3) in Å, ``tangents`` (n, 3), ``curvature`` (n,) in 1/Å and
+        ``twist`` (n,), the rate of the frame about the tangent, in rad/Å.
+    """
+    assert fold.ends is not None
+    rod, length_A = candidate.rod, candidate.length_A
+    return {
+        "s": np.linspace(0.0, length_A, n),
+        "points": fold.ends.to_file(rod.centerline(n)),
+        "tangents": rod.frames(n)[:, :, 2] @ fold.ends.start_frame.T,
+        "curvature": rod.curvature(n) / length_A,
+        "twist": np.full(n, math.tau * rod.twist / length_A),
+    }

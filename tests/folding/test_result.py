@@ -1,0 +1,67 @@
+"""What a fold gives back: short to print, read-only for good."""
+
+import copy
+import pickle
+
+import pytest
+
+import loopelastica as le
+from loopelastica._files import data_path
+
+HAIRPIN = data_path("hairpins/2koc.pdb")
+
+
+@pytest.fixture(scope="module")
+def loop():
+    (loop,) = le.fold(HAIRPIN, all_models=False)
+    return loop
+
+
+@pytest.fixture(scope="module")
+def refused():
+    (loop,) = le.fold(HAIRPIN, all_models=False, length_per_nucleotide_A=2.0)
+    return loop
+
+
+def test_results_are_one_short_line_with_the_physics(loop, refused, models):
+    (scanned,) = le.scan(HAIRPIN, extend_5_max=0, extend_3_max=0)
+    expected = {
+        "<LoopFold A6-9 CUUCGG: 3 candidates, first E/K0 0.302 1/Å, RMSD 2.12 Å>": loop,
+        "<Candidate 1: E/K0 0.302 1/Å, RMSD 2.12 Å>": loop.candidates[0],
+        "<Candidate 2: E/K0 1.51 1/Å, RMSD 5.99 Å, touches stem, self>": loop.candidates[1],
+        "<Hairpin A6-9 CUUCGG: RNA, 4 nt on a stem of 5 pairs>": loop.hairpin,
+        "<StemEnds 14.2 Å apart, line of 24.0 Å on 4 nucleotides, stem misfit 0.50 Å>": loop.ends,
+    }
+    for text, result in expected.items():
+        assert repr(result) == text
+    for result in (refused, scanned, scanned.candidates[0], models[0], loop.hairpin):
+        assert len(repr(result)) < 160
+        assert "\n" not in repr(result)
+    assert "no rod fits" in repr(refused)
+    assert "sound" in repr(models[0])
+
+
+def test_a_notebook_shows_a_table_of_candidates(loop, refused):
+    html = loop._repr_html_()
+    assert html.count("<tr>") == 1 + len(loop.candidates)
+    assert "<td>2.12</td>" in html
+    assert "no rod fits" in refused._repr_html_()
+
+
+def test_copies_and_pickles_stay_read_only(loop, models):
+    (scanned,) = le.scan(HAIRPIN, extend_5_max=0, extend_3_max=0)
+    for again in (copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))):
+        other = again(loop)
+        for array in (
+            other.backbone_A,
+            other.ends.start_frame,
+            other.hairpin.loop,
+            other.candidates[0].trace,
+            other.candidates[0].rmsd_models_A,
+            again(loop.hairpin).stem_5,
+            again(scanned).candidates[0].ends.end_frame,
+        ):
+            with pytest.raises(ValueError, match="read-only"):
+                array[...] = 0
+        assert repr(other) == repr(loop)
+        assert other.options == loop.options

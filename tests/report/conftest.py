@@ -1,0 +1,35 @@
+"""Folders that are written."""
+
+import pytest
+
+import loopelastica as le
+from loopelastica._files import data_path
+from loopelastica.molecule.nucleotides import read_structure
+from loopelastica.report.folder import write_fold
+from loopelastica.report.pdb import WholeStructure
+
+
+def _written(path, folder, **options):
+    structure = read_structure(path)
+    fold = le.fold(structure, all_models=False, **options)[0]
+    out = folder / "out" / "loop"
+    write_fold(out, path, fold, structure, plot=False, whole=WholeStructure(structure))
+    return out, fold
+
+
+@pytest.fixture(scope="session")
+def written():
+    """Fold the first loop of a file and write its folder."""
+    return _written
+
+
+@pytest.fixture(scope="session")
+def refused(koc):
+    """2KOC with a line that is too short."""
+    (loop,) = le.fold(koc, length_per_nucleotide_A=2.0, all_models=False)
+    return loop
+
+
+@pytest.fixture(scope="session")
+def shipped(tmp_path_factory):
+    return _written(data_path("hairpins/2koc.pdb"), tmp_path_factory.mktemp("shipped"))

@@ -1,0 +1,55 @@
+"""Whole or not at all."""
+
+import json
+import os
+import stat
+
+import pytest
+
+from loopelastica._files import whole_file, whole_folder, write_csv, write_json
+
+
+def fail_half_way(whole, path):
+    with whole(path) as part:
+        (part if part.is_file() else part / "d").write_text("half")
+        raise RuntimeError
+
+
+def test_what_fails_leaves_the_former_content_and_nothing_else(tmp_path):
+    file, folder = tmp_path / "a.txt", tmp_path / "b"
+    file.write_text("former")
+    folder.mkdir()
+    (folder / "c").write_text("former")
+    for whole, path in ((whole_file, file), (whole_folder, folder)):
+        with pytest.raises(RuntimeError):
+            fail_half_way(whole, path)
+    with pytest.raises(ValueError, match="JSON"):
+        write_json(file, {"value": float("nan")})
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.txt", "b"]
+    assert file.read_text() == "former"
+    assert [p.name for p in folder.iterdir()] == ["c"]
+
+
+def test_what_is_written_is_there_for_the_group_as_any_other_file(tmp_path):
+    mask = os.umask(0o027)
+    try:
+        write_json(tmp_path / "new" / "a.json", {"Å": 1})
+        with whole_folder(tmp_path / "folder"):
+            pass
+    finally:
+        os.umask(mask)
+    assert json.loads((tmp_path / "new" / "a.json").read_text()) == {"Å": 1}
+    assert stat.S_IMODE((tmp_path / "new" / "a.json").stat().st_mode) == 0o640
+    assert stat.S_IMODE((tmp_path / "folder").stat().st_mode) == 0o750
+
+
+def test_tables_have_the_columns_of_their_first_row_or_those_given(tmp_path):
+    rows = [{"a": 1, "b": None}, {"a": 2, "b": "x,y"}]
+    assert write_csv(tmp_path / "t.csv", rows) == 2
+    assert (tmp_path / "t.csv").read_bytes() == b'a,b\n1,\n2,"x,y"\n'
+    assert write_csv(tmp_path / "t.csv", iter(rows), ("b",)) == 2
+    assert (tmp_path / "t.csv").read_bytes() == b'b\n""\n"x,y"\n'
+    assert write_csv(tmp_path / "t.csv", [], ("a", "b")) == 0
+    assert (tmp_path / "t.csv").read_bytes() == b"a,b\n"
+    with pytest.raises(ValueError, match="c"):
+        write_csv(tmp_path / "t.csv", [*rows, {"a": 1, "b": 2, "c": 3}])
