@@ -7,7 +7,7 @@ import typer
 
 from loopelastica.cli.build import build
 from loopelastica.cli.fold import fold
-from loopelastica.cli.rod import solve
+from loopelastica.cli.rod import solve, warm
 from loopelastica.cli.structure import hairpins, scan
 from loopelastica.cli.studies import bench, evaluate
 
@@ -19,7 +19,7 @@ app = typer.Typer(
     # plain help takes half the time of the coloured one
     rich_markup_mode=None,
 )
-for command in (fold, build, evaluate, scan, hairpins, solve):
+for command in (fold, build, evaluate, scan, hairpins, solve, warm):
     app.command()(command)
 app.add_typer(bench, name="bench")
 

@@ -1,4 +1,4 @@
-"""``loopelastica solve``: the dimensionless rod by itself."""
+"""``loopelastica solve`` and ``warm``: the dimensionless rod by itself."""
 
 import json
 from typing import Annotated
@@ -46,3 +46,20 @@ def solve(
         console().print(equilibria_table(rods))
     if not rods:
         o.fail([f"--clamping {clamping!r}: no equilibrium found in {rods.starts} starts"])
+
+
+def warm() -> None:
+    """Compile the whole solver now, for any processor of this architecture: for containers.
+
+    The compiled code goes into the package if that can be written, else into the user's folder of
+    caches, or where LOOPELASTICA_CACHE says. A minute; nothing where it is there already.
+    """
+    from loopelastica.rod.warm import warm as compile_all
+
+    typer.echo("compiling what is not compiled yet", err=True)
+    try:
+        folder = compile_all()
+    except (OSError, RuntimeError) as error:
+        o.fail([str(error)])
+    else:
+        typer.echo(f"compiled: {folder}")
