@@ -1,4 +1,4 @@
-"""How functions are compiled and where compiled code is kept: all that numba is asked for.
+"""How functions are compiled and where compiled code is kept: the one place that configures numba.
 
 Compiled code is kept in folders, by a key that covers the text of every kernel of the package, its
 version, Python, numba and llvmlite: numba's own cache asks only the file of the function itself

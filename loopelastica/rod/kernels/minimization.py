@@ -5,7 +5,7 @@ with four right-hand sides and a 3×3 Schur complement S = C H⁻¹ Cᵀ. It goe
 have equally many negative eigenvalues; otherwise, or if the step is long, H is shifted. A line
 search on energy + μ |constraint|₁ with a second-order correction makes it robust: it starts from
 anywhere. At the end the difference of the two counts is the Morse index of the discrete rod, and a
-saddle is left by a kick.
+saddle is left by a bow.
 
 With a free end spin the twist costs nothing in the end: M3 = 0.
 """

@@ -61,7 +61,7 @@ SHOOTING = int(Method.SHOOTING)
 # 1 − |r| above which half the segments do; what hinge energies may be off by
 _SHORTENED, _MARGIN = 0.15, 0.05
 
-# 1 − |r| below which starts can be told useless beforehand; cosine of an end tangent that opposes
+# 1 − |r| below which useless starts are recognized beforehand; cosine of an end tangent that opposes
 # the chord
 _STRAIGHTISH, _OPPOSED = 0.05, -0.8
 

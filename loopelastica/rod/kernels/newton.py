@@ -34,7 +34,7 @@ CONVERGED, STALLED = int(Status.CONVERGED), int(Status.STALLED)
 TOO_MANY_ITERATIONS, TOO_STIFF = int(Status.TOO_MANY_ITERATIONS), int(Status.TOO_STIFF)
 CHECK_FAILED = int(Status.CHECK_FAILED)
 
-# steps per radian of turning: while searching and when polishing; largest mesh errors over loads up
+# steps per radian of turning: while searching and while refining; largest mesh errors over loads up
 # to |F| = 60, |M| = 12 are 2e-4, 1e-7 and 1e-9, their medians 1e-5, 2e-9 and 3e-11
 _COARSE, _MEDIUM, _FINE, _CHECK = 0.45, 1.4, 2.5, 4.0
 # the coarse mesh is trusted down to here
@@ -267,7 +267,7 @@ def newton(problem, f, most):
 
 @kernel
 def shot_error(problem, f):
-    """Largest end error of one shot with the loads ``f`` (6,); inf where it cannot be told."""
+    """Largest end error of one shot with the loads ``f`` (6,); inf where the loads are too large."""
     y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
     e, jacobian = np.empty(6), np.empty((6, 6))
     if not moment_bound(f) < _MAX_RATE:

@@ -11,7 +11,7 @@ leave M3 alone and the five of position and tangent.
 
 Inertia. The Hessian H of the discretized energy (``discrete_rod``) at the solution and the Schur
 complement S of its three constraints give the index neg(H) − neg(S). It counts multiple conjugate
-points right and does not suffer from the growth exp √F of V, but knows the rod only to the
+points right and does not suffer from the growth exp √F of V, but sees the rod only to the
 discretization's error.
 """
 
