@@ -50,7 +50,7 @@ def graded_nodes(root, s):
 
 @kernel
 def _layer(s, root, half_angle_tan):
-    """Angle of a boundary layer at distance ``s`` from its end: tan(θ/4) = tan(α/4) sinh(√f(1−s))/sinh √f."""
+    """Angle at distance ``s`` from an end: tan(θ/4) = tan(α/4) sinh(√f(1−s))/sinh √f."""
     if root < 1e-3:
         ratio = 1.0 - s
     else:
@@ -151,7 +151,8 @@ def bow(rod, size, mode):
 def wave(rod, position, force, half_waves):
     """Bend the inner frames into half waves in the plane of d1, with their Euler load.
 
-    The amplitude takes up the end shortening; such starts lead to buckled saddles that no minimizer finds.
+    The amplitude takes up the end shortening; such starts lead to buckled saddles that no
+    minimizer finds.
     """
     s, frames = rod.s, rod.frames
     length = math.sqrt(position[0] ** 2 + position[1] ** 2 + position[2] ** 2)

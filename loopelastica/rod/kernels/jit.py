@@ -1,16 +1,6 @@
 """How functions are compiled and where compiled code is kept: the one place that configures numba.
 
-Compiled code is kept in folders, by a key that covers the text of every kernel of the package, its
-version, Python, numba and llvmlite: numba's own cache asks only the file of the function itself
-whether it changed, and answers from yesterday's code when a function that it calls was edited.
-Two folders are searched:
-
-- one inside the package, filled when the wheel is built and never needed to be written to;
-- the user's: ``$LOOPELASTICA_CACHE``, else ``loopelastica`` in the user's folder of caches.
-
-In both, code for any processor of an architecture (`PORTABLE`) stands beside code for this one.
-What is found in neither is compiled, and kept in the user's folder if that can be written. A file
-is read only if its checksum is right; another is made anew.
+Where compiled code is kept: ``code_store``.
 
 Private names of numba are used here and nowhere else, for the versions that `SUPPORTED` names;
 where they are missing, numba's own cache takes over.
@@ -20,25 +10,17 @@ import contextlib
 import functools
 import hashlib
 import logging
-import os
 import pickle
-import platform
-import sys
-import sysconfig
-import tempfile
 import time
-import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import llvmlite
 import numba
 from numba import njit, types
-from numba.core import config, event
+from numba.core import event
 
-from loopelastica._files import whole_file
-from loopelastica._version import __version__
+from loopelastica.rod.kernels import code_store as store
 
 _LOG = logging.getLogger("loopelastica")
 
@@ -46,18 +28,9 @@ _LOG = logging.getLogger("loopelastica")
 # second is also the upper bound of the package's requirement
 SUPPORTED = (0, 61), (0, 69)
 
-# a processor that every one of its architecture can stand for, and what it needs
-PORTABLE = {
-    "x86_64": ("x86-64-v2", ("sse3", "ssse3", "sse4.1", "sse4.2", "popcnt", "cx16")),
-    "aarch64": ("generic", ()),
-}
-_SYNONYMS = {"amd64": "x86_64", "arm64": "aarch64"}
 
 # seconds of compiling after which nobody should wait without a word
 _PATIENCE_S = 2.0
-# sets of compiled code kept in the user's folder
-_KEPT = 8
-_DIGEST = 32
 
 
 class _Announcer(event.Listener):  # type: ignore[misc]
@@ -82,11 +55,13 @@ class _Announcer(event.Listener):  # type: ignore[misc]
         if self._said or spent < _PATIENCE_S:
             return
         self._said = True
-        kept = "is kept for later runs" if _writable_folder() else "cannot be kept for later runs"
+        kept = (
+            "is kept for later runs" if store.writable_folder() else "cannot be kept for later runs"
+        )
         # a warning is seen without configuring any logging
         _LOG.warning(
-            "compiling the solver for this machine, up to a minute; the result %s"
-            " (`loopelastica warm` compiles everything beforehand)",
+            "compiling the solver for this machine, up to a minute; the result %s kept for later"
+            " runs (`loopelastica warm` compiles everything beforehand)",
             kept,
         )
 
@@ -235,8 +210,12 @@ class _Cache:
     @property
     def cache_path(self) -> str:
         """Folder that new code goes to."""
-        folder = _writable_folder()
-        return "" if folder is None else str(folder / _key(self._source.parent) / _processor())
+        folder = store.writable_folder()
+        return (
+            ""
+            if folder is None
+            else str(folder / store.key(self._source.parent) / store.processor())
+        )
 
     def enable(self) -> None:
         """It always is."""
@@ -252,171 +231,35 @@ class _Cache:
         from numba.core.compiler import CompileResult
 
         target_context.refresh()
-        key, file = _key(self._source.parent), self._file(signature)
-        for folder in _folders():
-            for processor in _processors():
+        key, file = store.key(self._source.parent), self._file(signature)
+        for folder in store.folders():
+            for processor in store.processors():
                 path = folder / key / processor / file
-                content = _read(path)
+                content = store.read(path)
                 if content is None:
                     continue
                 try:
                     return CompileResult._rebuild(target_context, *pickle.loads(content))
                 except Exception as error:
-                    _drop(path, str(error) or type(error).__name__)
+                    store.drop(path, str(error) or type(error).__name__)
         return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep compiled code, if there is anywhere to."""
         from numba.core.serialize import dumps
 
-        folder = _writable_folder()
+        folder = store.writable_folder()
         if folder is None or result.library.has_dynamic_globals or result.lifted:
             return
-        place = folder / _key(self._source.parent)
+        place = folder / store.key(self._source.parent)
         try:
             if not place.is_dir():
-                _forget_old(folder)
-            content = zlib.compress(dumps(result._reduce()), 1)
-            with whole_file(place / _processor() / self._file(signature)) as part:
-                part.write_bytes(hashlib.sha256(content).digest() + content)
+                store.forget_old(folder)
+            content = dumps(result._reduce())
+            store.write(place / store.processor() / self._file(signature), content)
         except OSError as error:
-            _cannot_keep(f"{folder}: {error.strerror}")
+            store.cannot_keep(f"{folder}: {error.strerror}")
 
     def _file(self, signature: Any) -> str:
         digest = hashlib.sha256(str(signature).encode()).hexdigest()
         return f"{self._name}-{digest[:12]}.bin"
-
-
-def _read(path: Path) -> bytes | None:
-    """The content of a file of compiled code; None if there is none that is whole."""
-    try:
-        stored = path.read_bytes()
-    except OSError:
-        return None
-    content = stored[_DIGEST:]
-    if hashlib.sha256(content).digest() != stored[:_DIGEST]:
-        _drop(path, "its checksum is wrong")
-        return None
-    return zlib.decompress(content)
-
-
-def _drop(path: Path, reason: str) -> None:
-    _LOG.info("compiled code in %s is made anew: %s", path, reason)
-    with contextlib.suppress(OSError):
-        path.unlink(missing_ok=True)
-
-
-@functools.cache
-def _key(folder: Path) -> str:
-    """Name of the set of compiled code that functions of a folder belong to."""
-    here = Path(__file__).resolve().parent
-    digest = hashlib.sha256()
-    settings = (config.OPT, config.BOUNDSCHECK, config.DEBUGINFO_DEFAULT)
-    versions = (__version__, numba.__version__, llvmlite.__version__)
-    for value in (*versions, *settings, sys.implementation.cache_tag, sysconfig.get_platform()):
-        digest.update(f"{value}\n".encode())
-    for place in dict.fromkeys((here, folder.resolve())):
-        for path in sorted(place.glob("*.py")):
-            content = path.read_bytes()
-            digest.update(f"{path.name} {len(content)}\n".encode())
-            digest.update(content)
-    return digest.hexdigest()[:20]
-
-
-@functools.cache
-def _processor() -> str:
-    """Name of the processor that is compiled for."""
-    architecture = platform.machine().lower()
-    name, features = config.CPU_NAME, config.CPU_FEATURES
-    portable = PORTABLE.get(_SYNONYMS.get(architecture, architecture), ("", ()))[0]
-    if name == portable and features == "":
-        return portable
-    import llvmlite.binding as llvm
-
-    if name is None:
-        name = llvm.get_host_cpu_name()
-    if features is None:
-        features = llvm.get_host_cpu_features().flatten()
-    return f"{name}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
-
-
-@functools.cache
-def _processors() -> tuple[str, ...]:
-    """Names of the processors whose code runs here, the best first."""
-    import llvmlite.binding as llvm
-
-    architecture = platform.machine().lower()
-    portable, needed = PORTABLE.get(_SYNONYMS.get(architecture, architecture), ("", ()))
-    here = llvm.get_host_cpu_features()
-    runs = bool(portable) and all(here.get(feature, False) for feature in needed)
-    return tuple(dict.fromkeys((_processor(), portable) if runs else (_processor(),)))
-
-
-def portable_environment() -> dict[str, str]:
-    """Environment variables that have code compiled for any processor of this architecture."""
-    architecture = platform.machine().lower()
-    name = PORTABLE.get(_SYNONYMS.get(architecture, architecture), ("", ()))[0]
-    return {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": ""} if name else {}
-
-
-def shipped_folder() -> Path:
-    """Folder of compiled code inside the package."""
-    return Path(__file__).resolve().parents[2] / "_compiled"
-
-
-@functools.cache
-def _folders() -> tuple[Path, ...]:
-    users = user_folder()
-    return (shipped_folder(),) if users is None else (shipped_folder(), users)
-
-
-@functools.cache
-def user_folder() -> Path | None:
-    """The user's folder of compiled code, which need not exist; None where there can be none."""
-    chosen = os.environ.get("LOOPELASTICA_CACHE")
-    if chosen:
-        return Path(chosen).absolute()
-    try:
-        home = Path.home()
-    except RuntimeError:
-        return None
-    if sys.platform == "darwin":
-        return home / "Library" / "Caches" / "loopelastica"
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", home)) / "loopelastica" / "Cache"
-    return Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache") / "loopelastica"
-
-
-@functools.cache
-def _writable_folder() -> Path | None:
-    """The user's folder, if files can be made in it; said once if not."""
-    folder = user_folder()
-    if folder is None:
-        _cannot_keep("no home folder")
-        return None
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        # whether a file can be made, which permissions alone do not say
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except OSError as error:
-        _cannot_keep(f"{folder}: {error.strerror}")
-        return None
-
-
-@functools.cache
-def _cannot_keep(reason: str) -> None:
-    _LOG.warning(
-        "compiled code cannot be kept (%s); what was not compiled at the installation is compiled"
-        " in memory, in each process anew",
-        reason,
-    )
-
-
-def _forget_old(folder: Path) -> None:
-    """Remove the oldest sets of compiled code, which edits and updates leave behind."""
-    import shutil
-
-    sets = [path for path in folder.iterdir() if path.is_dir()]
-    for path in sorted(sets, key=lambda path: path.stat().st_mtime)[: max(0, len(sets) - _KEPT)]:
-        shutil.rmtree(path, ignore_errors=True)

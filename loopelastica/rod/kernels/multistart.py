@@ -61,8 +61,8 @@ SHOOTING = int(Method.SHOOTING)
 # 1 − |r| above which half the segments do; what hinge energies may be off by
 _SHORTENED, _MARGIN = 0.15, 0.05
 
-# 1 − |r| below which useless starts are recognized beforehand; cosine of an end tangent that opposes
-# the chord
+# 1 − |r| below which useless starts are recognized beforehand; cosine of an end tangent that
+# opposes the chord
 _STRAIGHTISH, _OPPOSED = 0.05, -0.8
 
 # what is tried where nothing else has led anywhere

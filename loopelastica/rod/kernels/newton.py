@@ -267,7 +267,7 @@ def newton(problem, f, most):
 
 @kernel
 def shot_error(problem, f):
-    """Largest end error of one shot with the loads ``f`` (6,); inf where the loads are too large."""
+    """Largest end error of one shot with the loads ``f`` (6,); inf for too large loads."""
     y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
     e, jacobian = np.empty(6), np.empty((6, 6))
     if not moment_bound(f) < _MAX_RATE:

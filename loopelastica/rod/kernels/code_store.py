@@ -1,0 +1,188 @@
+"""Where compiled code is kept, and which is for whom.
+
+Compiled code is kept in folders, by a key that covers the text of every kernel of the package, its
+version, Python, numba and llvmlite: numba's own cache asks only the file of the function itself
+whether it changed, and answers from yesterday's code when a function that it calls was edited.
+Two folders are searched:
+
+- one inside the package, filled when the wheel is built and never needed to be written to;
+- the user's: ``$LOOPELASTICA_CACHE``, else ``loopelastica`` in the user's folder of caches.
+
+In both, code for any processor of an architecture (`PORTABLE`) stands beside code for this one.
+What is found in neither is compiled, and kept in the user's folder if that can be written. A file
+is read only if its checksum is right; another is made anew.
+"""
+
+import contextlib
+import functools
+import hashlib
+import logging
+import os
+import platform
+import shutil
+import sys
+import sysconfig
+import tempfile
+import zlib
+from pathlib import Path
+
+import llvmlite
+import llvmlite.binding as llvm
+import numba
+from numba.core import config
+
+from loopelastica._files import whole_file
+from loopelastica._version import __version__
+
+_LOG = logging.getLogger("loopelastica")
+
+# a processor that every one of its architecture can stand for, and what it needs
+PORTABLE = {
+    "x86_64": ("x86-64-v2", ("sse3", "ssse3", "sse4.1", "sse4.2", "popcnt", "cx16")),
+    "aarch64": ("generic", ()),
+}
+_SYNONYMS = {"amd64": "x86_64", "arm64": "aarch64"}
+
+# sets of compiled code kept in the user's folder
+_KEPT = 8
+_DIGEST = 32
+
+
+def read(path: Path) -> bytes | None:
+    """The content of a file of compiled code; None if there is none that is whole."""
+    try:
+        stored = path.read_bytes()
+    except OSError:
+        return None
+    content = stored[_DIGEST:]
+    if hashlib.sha256(content).digest() != stored[:_DIGEST]:
+        drop(path, "its checksum is wrong")
+        return None
+    return zlib.decompress(content)
+
+
+def write(path: Path, content: bytes) -> None:
+    """Write compiled code, compressed, behind its checksum; whole or not at all."""
+    packed = zlib.compress(content, 1)
+    with whole_file(path) as part:
+        part.write_bytes(hashlib.sha256(packed).digest() + packed)
+
+
+def drop(path: Path, reason: str) -> None:
+    """Remove a file that is no use, and log it."""
+    _LOG.info("compiled code in %s is made anew: %s", path, reason)
+    with contextlib.suppress(OSError):
+        path.unlink(missing_ok=True)
+
+
+@functools.cache
+def key(folder: Path) -> str:
+    """Name of the set of compiled code that functions of a folder belong to."""
+    here = Path(__file__).resolve().parent
+    digest = hashlib.sha256()
+    settings = (config.OPT, config.BOUNDSCHECK, config.DEBUGINFO_DEFAULT)
+    versions = (__version__, numba.__version__, llvmlite.__version__)
+    for value in (*versions, *settings, sys.implementation.cache_tag, sysconfig.get_platform()):
+        digest.update(f"{value}\n".encode())
+    for place in dict.fromkeys((here, folder.resolve())):
+        for path in sorted(place.glob("*.py")):
+            content = path.read_bytes()
+            digest.update(f"{path.name} {len(content)}\n".encode())
+            digest.update(content)
+    return digest.hexdigest()[:20]
+
+
+def _portable() -> tuple[str, tuple[str, ...]]:
+    architecture = platform.machine().lower()
+    return PORTABLE.get(_SYNONYMS.get(architecture, architecture), ("", ()))
+
+
+def portable_environment() -> dict[str, str]:
+    """Environment variables that have code compiled for any processor of this architecture."""
+    name, _ = _portable()
+    return {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": ""} if name else {}
+
+
+@functools.cache
+def processor() -> str:
+    """Name of the processor that is compiled for."""
+    name, features = config.CPU_NAME, config.CPU_FEATURES
+    if (name, features) == (_portable()[0], ""):
+        return str(name)
+    if name is None:
+        name = llvm.get_host_cpu_name()
+    if features is None:
+        features = llvm.get_host_cpu_features().flatten()
+    return f"{name}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
+
+
+@functools.cache
+def processors() -> tuple[str, ...]:
+    """Names of the processors whose code runs here, the best first."""
+    portable, needed = _portable()
+    here = llvm.get_host_cpu_features()
+    runs = bool(portable) and all(here.get(feature, False) for feature in needed)
+    return tuple(dict.fromkeys((processor(), portable) if runs else (processor(),)))
+
+
+def shipped_folder() -> Path:
+    """Folder of compiled code inside the package."""
+    return Path(__file__).resolve().parents[2] / "_compiled"
+
+
+@functools.cache
+def folders() -> tuple[Path, ...]:
+    """Folders that are searched, in this order."""
+    users = user_folder()
+    return (shipped_folder(),) if users is None else (shipped_folder(), users)
+
+
+@functools.cache
+def user_folder() -> Path | None:
+    """The user's folder of compiled code, which need not exist; None where there can be none."""
+    chosen = os.environ.get("LOOPELASTICA_CACHE")
+    if chosen:
+        return Path(chosen).absolute()
+    try:
+        home = Path.home()
+    except RuntimeError:
+        return None
+    if sys.platform == "darwin":
+        return home / "Library" / "Caches" / "loopelastica"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", home)) / "loopelastica" / "Cache"
+    return Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache") / "loopelastica"
+
+
+@functools.cache
+def writable_folder() -> Path | None:
+    """The user's folder, if files can be made in it; said once if not."""
+    folder = user_folder()
+    if folder is None:
+        cannot_keep("no home folder")
+        return None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        # whether a file can be made, which permissions alone do not say
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except OSError as error:
+        cannot_keep(f"{folder}: {error.strerror}")
+        return None
+
+
+@functools.cache
+def cannot_keep(reason: str) -> None:
+    """Say once, for each reason, that compiled code stays in memory."""
+    _LOG.warning(
+        "compiled code cannot be kept (%s); what was not compiled at the installation is compiled"
+        " in memory, in each process anew",
+        reason,
+    )
+
+
+def forget_old(folder: Path) -> None:
+    """Remove the oldest sets of compiled code, which edits and updates leave behind."""
+    sets = [path for path in folder.iterdir() if path.is_dir()]
+    for path in sorted(sets, key=lambda path: path.stat().st_mtime)[: max(0, len(sets) - _KEPT)]:
+        shutil.rmtree(path, ignore_errors=True)
