@@ -55,9 +55,7 @@ class _Announcer(event.Listener):  # type: ignore[misc]
         if self._said or spent < _PATIENCE_S:
             return
         self._said = True
-        kept = (
-            "is kept for later runs" if store.writable_folder() else "cannot be kept for later runs"
-        )
+        kept = "is" if store.writable_folder() else "cannot be"
         # a warning is seen without configuring any logging
         _LOG.warning(
             "compiling the solver for this machine, up to a minute; the result %s kept for later"
