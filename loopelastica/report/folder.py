@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from loopelastica._files import whole_folder, write_csv, write_json, write_text
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb
-from loopelastica.report.atoms import LoopAtoms, write_atoms
 from loopelastica.report.pdb import (
     WholeStructure,
     bond_records,
@@ -19,6 +19,9 @@ from loopelastica.report.pdb import (
 from loopelastica.report.plots import plot_fold
 from loopelastica.report.records import candidate_row, line, loop_row, ranking
 from loopelastica.report.viewers import path_from, write_chimerax, write_pymol
+
+if TYPE_CHECKING:
+    from loopelastica.report.atoms import LoopAtoms
 
 
 class Folders:
@@ -59,7 +62,7 @@ def write_fold(
     structure: Structure,
     plot: bool = True,
     whole: WholeStructure | None = None,
-    atoms: LoopAtoms | None = None,
+    atoms: "LoopAtoms | None" = None,
 ) -> None:
     """Write the folder of one folded loop, whole or not at all.
 
@@ -101,6 +104,8 @@ def write_fold(
         if whole is not None:
             whole.write(part / "whole.pdb", fold)
         if atoms is not None:
+            from loopelastica.report.atoms import write_atoms
+
             write_atoms(part, atoms)
         if plot:
             sticks = None if atoms is None else atoms.sticks(1)
