@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica.rod.continuation import continue_clamping, twist_end
-from loopelastica.rod.equilibrium import Status
+from loopelastica.rod.kernels.records import Status
 
 FIGURE_6 = [-0.4, -0.1, 0.5, 4.8, 1.4, 2.2]
 
