@@ -119,7 +119,6 @@ def test_a_row_ends_at_its_clamping_within_its_residual(rng):
     assert any(len(rod.node_s) > 1 for rod in batch)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("lowest", [False, True])
 @pytest.mark.parametrize(("torsion_ratio", "free_spin"), [(1.0, False), (0.6, False), (1.0, True)])
 def test_hundreds_of_rows_end_at_their_clampings_within_their_residuals(
@@ -227,9 +226,9 @@ def test_a_time_limit_marks_the_rows_that_are_left(rng, monkeypatch):
     monkeypatch.setattr(batches, "_CHUNK", 4)
     batch = le.solve_batch(positions, rotations, time_limit_s=1.0)
     # the first row alone, then four at a time
-    assert batch.status.tolist() == [Status.CONVERGED] * 4 + [Status.OUT_OF_TIME] * 8
-    np.testing.assert_array_equal(batch.loads[:4], whole.loads[:4])
-    assert np.isinf(batch.energy[4:]).all()
+    assert batch.status.tolist() == [Status.CONVERGED] * 5 + [Status.OUT_OF_TIME] * 7
+    np.testing.assert_array_equal(batch.loads[:5], whole.loads[:5])
+    assert np.isinf(batch.energy[5:]).all()
     assert "time limit" in batch[7].message
 
 
@@ -253,21 +252,26 @@ def test_impossible_arguments_of_a_batch_are_named():
 
 
 def test_free_spin_may_be_a_number_and_compiles_nothing_new(rng):
-    from loopelastica.rod.kernels.multistart import run_batch
-    from loopelastica.rod.kernels.newton import newton
+    def signatures():
+        from loopelastica.rod import kernels
+
+        modules = [m for m in vars(kernels).values() if inspect.ismodule(m)]
+        found = [value for m in modules for value in vars(m).values()]
+        return sum(len(v.signatures) for v in found if hasattr(v, "signatures"))
 
     positions, rotations = pose_drawn(rng, 3)
     for flag in (False, True):
         plain = le.solve_batch(positions, rotations, free_spin=flag)
         rod = le.solve(le.Clamping(positions[0], rotations[0], flag))
-        kernels = [len(kernel.signatures) for kernel in (run_batch, newton)]
+        before = signatures()
+        assert before > 10
         for number in (int(flag), np.bool_(flag), np.int64(flag)):
             batch = le.solve_batch(positions, rotations, free_spin=number, lowest=np.bool_(True))
             assert batch.free_spin is flag
             np.testing.assert_array_equal(batch.loads, plain.loads)
             again = le.solve(le.Clamping(positions[0], rotations[0], number))
             np.testing.assert_array_equal(again.loads, rod.loads)
-        assert kernels == [len(kernel.signatures) for kernel in (run_batch, newton)]
+        assert signatures() == before
 
 
 def test_a_looser_tolerance_is_met_and_a_tighter_one_too(rng):
