@@ -14,6 +14,8 @@ from loopelastica._arrays import Array, read_only
 
 # a matrix read from a file with five decimals is still a rotation; a worse one is a mistake
 _ORTHONORMAL = 1e-4
+# what is orthonormal to rounding is kept to the last bit, so that clampings read back are equal
+_ROUNDING = 1e-14
 
 
 def _nearest_rotation(rotation: Array) -> Array:
@@ -29,6 +31,8 @@ def _nearest_rotation(rotation: Array) -> Array:
         )
     if np.linalg.det(rotation) < 0:
         raise ValueError("`rotation` is not a rotation: its determinant is −1, a reflection")
+    if defect < _ROUNDING:
+        return rotation
     u, _, vt = np.linalg.svd(rotation)
     return np.asarray(u @ vt, dtype=np.float64)
 
@@ -83,6 +87,10 @@ class Clamping:
         object.__setattr__(self, "position", read_only(position))
         object.__setattr__(self, "rotation", read_only(rotation))
         object.__setattr__(self, "free_spin", bool(self.free_spin))
+
+    def __reduce__(self) -> Any:
+        # arrays come back from a pickle writeable; a new object protects its own
+        return type(self), (self.position, self.rotation, self.free_spin)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Clamping):

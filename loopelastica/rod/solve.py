@@ -95,7 +95,8 @@ def _from_guess(
     """What Newton's method reaches from a guess, or None."""
     if isinstance(guess, Equilibrium):
         if guess.clamping.free_spin == clamping.free_spin and guess.torsion_ratio == torsion_ratio:
-            path = continue_clamping(guess, clamping, natural=True, steps=0, stability=False)
+            # the one step is for boundary layers too tense for nodes
+            path = continue_clamping(guess, clamping, natural=True, steps=1, stability=False)
             if path.end is not None and path.end.residual < tolerance:
                 return replace(path.end, method=Method.GUESS)
         loads = guess.loads
