@@ -59,6 +59,14 @@ def test_every_pose_in_every_shell_is_solved(rng, torsion_ratio, lowest):
         assert np.isfinite(batch.energy).all()
 
 
+def test_one_rod_of_every_other_shell_is_in_equilibrium_by_another_integrator(rng):
+    for low, high in SHELLS[::2]:
+        position, rotation = (a[0] for a in pose_drawn(rng, 1, low, high))
+        rod = le.solve(le.Clamping(position, rotation), 0.7)
+        assert independent_residual(rod) < 2e-9, rod.method
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("free_spin", [False, True])
 def test_what_is_returned_is_in_equilibrium_by_another_integrator(rng, free_spin):
     for low, high in SHELLS:
