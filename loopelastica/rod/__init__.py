@@ -20,17 +20,17 @@ K30           torsion ratio K3/K0; it spins the frames and never changes the cen
 quaternion    (w, x, y, z) of R
 ============  ===========================================================================
 
-The way from q to rods: `clamping` (q) → `solve`, `equilibria` → `equilibrium` (what a rod knows of
-itself) → `stability`. Beneath them, compiled (`jit`: what, when and how):
+From q to rods: `clamping` (q) → `solve`, `batch`, `equilibria` → `equilibrium` (one rod and its
+properties) → `stability`. Paths along a moving clamping: `continuation`, whose steps are in
+`_branch`. All of them share `_starts` (tables of starts, records of a solve) and the guess library
+of `_library`. Beneath them, compiled (`jit`: what, when and how):
 
-- `shooting`, `newton`: f to end pose with its Jacobian; one guess to a solution, from `stored`;
+- `shooting`, `newton`: f to end pose with its Jacobian, and one guess to a solution;
 - `multistart`: one start to a solution, through `boundary_layers` (high tension in closed form),
-  `minimization` (the discrete rod of least energy) and `multiple_shooting` (multiple shooting);
-- `second_variation`: the second variation.
+  `minimization` (the discrete rod of least energy) and `multiple_shooting`; `refinement` confirms;
+- `arclength`: one step along a branch;
+- `second_variation`: conjugate points and the Morse index.
 
-Paths along a moving clamping: `continuation`, whose steps are in `_branch` and `arclength`.
-
-The closed form of the paper and its method: `parameters` (p, `closed_form`, `cubic`,
-`elliptic`), `writhe` (eq. 43), `grid` and `paper` with their kernels `grid_kernels`, `_paper_*` and
-`bulirsch_stoer`: the reference that benchmarks compare with.
+The paper's closed form: `parameters` (p, with `closed_form`, `cubic` and `elliptic`) and `writhe`
+(eq. 43). Its method as printed is in `paper`: the reference that benchmarks compare with.
 """

@@ -29,7 +29,7 @@ from loopelastica.rod.kernels.records import (
 from loopelastica.rod.kernels.rotations import quaternion_from_matrix
 
 # largest end error (position, rotation vector) of a converged solution on the check mesh, and
-# what can be asked for: below, rounding decides; above, a residual means little
+# the range of it: below, rounding decides; above, a residual means little
 TOLERANCE = 1e-9
 _TOLERANCES = 1e-11, 1e-3
 
@@ -106,7 +106,25 @@ def straight(clamping: Clamping, torsion_ratio: float) -> Equilibrium | None:
     """The rod stretched straight, or None if the clamping leaves it slack.
 
     Its ends fix no tension: any F along the rod is in equilibrium, and F = 0 is returned, with the
-    twist of least energy. Raises ValueError if no rod fits.
+    twist of least energy.
+
+    Parameters
+    ----------
+    clamping : Clamping
+        With a free end spin the rod has no twist.
+    torsion_ratio : float
+        K30.
+
+    Returns
+    -------
+    Equilibrium or None
+        Its residual is how far the clamping is from a straight rod's, below 1e-8.
+
+    Raises
+    ------
+    ValueError
+        If no rod fits: the ends are further apart than its length, or as far with end tangents
+        that do not point along it.
     """
     distance = float(np.linalg.norm(clamping.position))
     if distance < 1.0 - STRAIGHT:
@@ -170,7 +188,24 @@ def from_standard_starts(
     lowest: bool = False,
     tolerance: float = TOLERANCE,
 ) -> Equilibrium:
-    """The first or the lowest equilibrium that the standard starts find, for a slack clamping."""
+    """The first or the lowest equilibrium that the standard starts find.
+
+    Parameters
+    ----------
+    clamping : Clamping
+        Slack: with its ends less than the rod's length apart.
+    torsion_ratio : float
+        K30.
+    lowest : bool
+        Finish all starts that may lead to the lowest; otherwise stop at the first solution.
+    tolerance : float
+        Largest residual of a solution.
+
+    Returns
+    -------
+    Equilibrium
+        With the status ``STALLED`` where no start arrived.
+    """
     solution = new_solution()
     problem = problem_of(clamping, torsion_ratio, tolerance)
     starts = standard_starts(torsion_ratio, clamping.free_spin)
@@ -196,7 +231,28 @@ def from_loads(
     method: Method = Method.SHOOTING,
     tolerance: float = TOLERANCE,
 ) -> Equilibrium:
-    """Newton's method from given loads (6,), in ``patience`` steps."""
+    """Newton's method from given loads.
+
+    Parameters
+    ----------
+    clamping : Clamping
+        The goal.
+    torsion_ratio : float
+        K30.
+    loads : (6,) ndarray
+        F and M at s = 0 in the start frame to begin with; left as they are.
+    patience : int
+        Steps made at least, if they are needed; more follow as long as each halves the error.
+    method : Method
+        What the result is to be labelled with.
+    tolerance : float
+        Largest residual of a solution.
+
+    Returns
+    -------
+    Equilibrium
+        Determined by its loads alone; energy and residual are inf where nothing was found.
+    """
     f = np.array(loads, dtype=np.float64)
     status, residual, _, end = newton(problem_of(clamping, torsion_ratio, tolerance), f, patience)
     if status != Status.CONVERGED:
@@ -215,7 +271,7 @@ def from_solution(
     status = Status.STALLED if method == Method.NONE else Status.CONVERGED
     m = outcome.segments + 1 if outcome.segments else 0
     nodes, layers = solution.nodes, np.zeros(0, LAYERS)
-    known = (
+    common = (
         clamping,
         torsion_ratio,
         solution.loads,
@@ -225,11 +281,11 @@ def from_solution(
         method,
     )
     if m:
-        return Equilibrium(*known, nodes.s[:m], nodes.pose[:m])
+        return Equilibrium(*common, nodes.s[:m], nodes.pose[:m])
     if method in LAYERED:
         layers = solution.layers
-    return Equilibrium(*known, layers=layers)
+    return Equilibrium(*common, layers=layers)
 
 
-# methods whose result, without nodes, is two boundary layers; other ones' are told by their loads
+# methods whose result, without nodes, is two boundary layers; with others the loads determine it
 LAYERED = (Method.BOUNDARY_LAYERS, Method.DISCRETE_ROD_LAYERS)

@@ -31,8 +31,8 @@ from loopelastica.rod.kernels.records import Method, Status
 from loopelastica.rod.solve import by_detour
 
 _CHUNK = 256
-# stored rods tried for each row of a batch, and how near they must be: further ones lead nowhere
-# more often than they spare the standard starts
+# rods of the guess library tried for each row, and how near they must be: further ones lead
+# nowhere more often than they spare the standard starts
 _NEIGHBOURS, _NEAR = 6, 0.24
 
 
@@ -131,9 +131,9 @@ def solve_batch(
 ) -> Batch:
     """Solve many clampings; one that fails is a row with a status.
 
-    Where any equilibrium will do (``lowest=False``), the nearest stored rods are tried first, which
-    is several times faster. A row does not depend on the others, on how rows are cut into batches
-    or on `threads`.
+    Where any equilibrium will do (``lowest=False``), the nearest rods of the guess library are
+    tried first, which is several times faster. A row does not depend on the others, on how rows are
+    cut into batches or on `threads`.
 
     Parameters
     ----------

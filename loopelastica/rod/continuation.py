@@ -64,14 +64,15 @@ class Path:
     parameter : (n,) ndarray
         Where along the motion each rod stands: t from 0 to 1, or turns of the end.
     rods : tuple of Equilibrium
-        The equilibria, the given one first; with their Morse index if it was asked for.
+        The equilibria, the given one first; with their Morse index if `stability` was on.
     folds : (k,) ndarray
         Parameters at which the branch turns back, in the order they were met.
     stability_lost : (l,) ndarray
         Parameters at which the Morse index rises from 0; empty if it was not computed.
     status : Status
-        0 if the goal was reached; ``message`` says in words why the path ends.
+        0 if the goal was reached.
     message : str
+        The status in words.
     end : Equilibrium or None
         The equilibrium at the goal.
     """
@@ -99,8 +100,8 @@ class Path:
 
         Where stability is lost first, or, if that was not computed, the first fold.
         """
-        known = len(self.rods) > 0 and self.rods[-1].index is not None
-        events = self.stability_lost if known else self.folds
+        judged = len(self.rods) > 0 and self.rods[-1].index is not None
+        events = self.stability_lost if judged else self.folds
         return float(events[0]) if len(events) else None
 
 
@@ -230,8 +231,8 @@ def twist_end(
 def detours(clamping: Clamping, torsion_ratio: float) -> Iterator[Equilibrium | None]:
     """Equilibria of a clamping reached from others nearby.
 
-    Where solutions lie on a circle, or nearly, Newton's method has a direction in which it does
-    not know where to stop. A clamping a few degrees away has isolated solutions, and along the way
+    Where solutions lie on a circle, or nearly, Newton's method has a direction in which
+    nothing stops it. A clamping a few degrees away has isolated solutions, and along the way
     back the path stays on one of them.
 
     Parameters
@@ -400,7 +401,7 @@ class _Continuation:
             lost = self.clamp_path.unit * parameter_where(
                 self.clamp_path, before, after, ds, self._firmness
             )
-            # most often at the fold, which is known better
+            # most often at the fold, which is located more closely
             at_fold = [t for t in self.folds[-1:] if abs(t - lost) < 1e-4]
             self.lost.append(at_fold[0] if at_fold else lost)
 

@@ -1,7 +1,7 @@
 """From a clamping to one equilibrium: standard starts, each result judged independently.
 
-The lowest of their results was the lowest of all known ones wherever this was compared with random
-starts; it is not proven to be. Where no start arrives, the clamping is approached from others
+The lowest of their results was the lowest of all that random starts found wherever the two were
+compared; it is not proven to be. Where no start arrives, the clamping is approached from others
 nearby (``continuation``).
 """
 

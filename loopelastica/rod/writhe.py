@@ -16,7 +16,7 @@ The planes. The ends of a clamped rod need not lie on its bounding planes, nor i
 along e. So the rod is continued by two straight lines along e, one coming from −∞ to its start, one
 going from its end to +∞, joined by the shortest turn from e to the tangent. These lines depend on
 the clamping only, hence the net winding of two rods of one clamping differs by an integer. Unless
-told otherwise e = (t(0) + t(L))/|t(0) + t(L)|, the direction between the end tangents, and d1(0)
+given otherwise e = (t(0) + t(L))/|t(0) + t(L)|, the direction between the end tangents, and d1(0)
 where they are opposite. The fractional part is then (ψ_R + φ_R)/2π, with the Euler angles of the
 clamping (eq. 6), for any e on the shortest arc from t(0) to t(L): this is what gives 0.1 and 1.1 in
 Figure 6 and 0.42 and −1.58 in Figure 7.
