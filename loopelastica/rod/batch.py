@@ -169,7 +169,7 @@ def solve_batch(
     >>> import numpy as np
     >>> batch = solve_batch([[0, 0, 0.9], [0, 0, 1.1]], [np.eye(3), np.eye(3)])
     >>> print(batch.converged, batch.status, round(batch[0].energy, 4))
-    [ True False] [0 5] 7.6985
+    [ True False] [0 5] 4.0504
     """
     deadline, tolerance = Deadline(time_limit_s), check_tolerance(tolerance)
     batch = _unsolved(positions, rotations, torsion_ratio, bool(free_spin))

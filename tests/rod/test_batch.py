@@ -280,3 +280,18 @@ def test_a_looser_tolerance_is_met_and_a_tighter_one_too(rng):
         batch = le.solve_batch(*poses, tolerance=tolerance)
         assert (batch.residual[batch.converged] < tolerance).all()
         assert batch.converged.mean() > 0.9
+
+
+def test_frames_that_are_rotations_nearly_are_those_of_a_clamping(rng):
+    positions, rotations = pose_drawn(rng, 8)
+    rounded = rotations.round(5)
+    batch = le.solve_batch(positions, rounded)
+    assert batch.converged.all()
+    for i, rod in enumerate(batch):
+        assert end_misfit(rod, le.Clamping(positions[i], rounded[i])) < 2e-9
+    # what a clamping refuses is no row either
+    for wrong in (1 + 2e-4, -1):
+        bad = le.solve_batch(positions, wrong * rotations)
+        assert (bad.status == Status.BAD_INPUT).all()
+        with pytest.raises(ValueError, match="`rotation`"):
+            le.Clamping(positions[0], wrong * rotations[0])

@@ -73,7 +73,9 @@ def test_what_is_unseen_is_the_share_of_hits_that_were_single():
     assert rods.unseen == 0.2
     assert (rods.energy_max, rods.starts, rods.out_of_time) == (50.0, 17, False)
     assert Equilibria([_Found(rod_of_energy(3.0), 4)], 50.0, 4).unseen == 0
-    assert Equilibria([_Found(rod_of_energy(3.0), 1)], 3.0, 4).unseen == 1
+    # the bound itself is listed
+    at_bound = Equilibria([_Found(rod_of_energy(3.0), 1)], 3.0, 4)
+    assert (len(at_bound), at_bound.unseen) == (1, 1)
     assert Equilibria([], 50.0, 4).unseen == 1
 
 
