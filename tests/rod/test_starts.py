@@ -75,15 +75,20 @@ def test_a_straight_rod_takes_the_shorter_way_round():
     assert free.energy == free.loads[5] == 0
 
 
-def test_what_a_start_leads_to_is_not_below_the_lowest(rng):
-    for position, rotation in zip(*pose_drawn(rng, 4), strict=True):
-        clamping = le.Clamping(position, rotation)
-        lowest = from_standard_starts(clamping, 0.7, lowest=True)
-        for start in (Start(), Start(1.0), Start(-1.0, over_0=True), Start(minimized=False)):
-            rod = from_start(clamping, 0.7, start)
-            if rod.converged:
-                assert rod.residual < 1e-9
-                assert rod.energy > lowest.energy - 1e-9 * (1 + lowest.energy)
+@pytest.mark.parametrize(("torsion_ratio", "free_spin"), [(1.0, False), (0.09, False), (1.0, True)])
+def test_the_lowest_is_the_lowest_of_what_each_start_leads_to(rng, torsion_ratio, free_spin):
+    for position, rotation in zip(*pose_drawn(rng, 8), strict=True):
+        clamping = le.Clamping(position, rotation, free_spin)
+        lowest = from_standard_starts(clamping, torsion_ratio, lowest=True)
+        first = from_standard_starts(clamping, torsion_ratio)
+        found = [
+            from_start(clamping, torsion_ratio, Start(*row.tolist()))
+            for row in standard_starts(torsion_ratio, free_spin)
+        ]
+        energies = [rod.energy for rod in found if rod.converged]
+        assert lowest.energy == pytest.approx(min(energies), rel=1e-6)
+        assert first.energy >= lowest.energy - 1e-9 * (1 + lowest.energy)
+        assert max(rod.residual for rod in found if rod.converged) < 1e-9
 
 
 def test_loads_lead_to_a_rod_of_loads_alone_or_to_a_status():
