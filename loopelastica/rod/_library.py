@@ -45,17 +45,30 @@ class StoredRods:
     def nearest(
         self, positions: Array, rotations: Array, count: int, within: float = np.inf
     ) -> tuple[Array, NDArray[np.intp]]:
-        """Loads (m, count, 6) of the ``count`` stored rods nearest to each of m poses.
+        """The rods nearest to each of m poses.
 
-        (Hardly ever is one of them not among the nearest, see `_LAX`.) Also how many of each row
-        (m,), nearest first, are not further than ``within``; the loads after these mean nothing.
+        Parameters
+        ----------
+        positions, rotations : (m, 3), (m, 3, 3) ndarray
+            End poses in the start frame, in units of the length.
+        count : int
+            How many for each pose.
+        within : float
+            Largest distance in the reduced pose space (see the module's head).
+
+        Returns
+        -------
+        loads : (m, count, 6) ndarray
+            Nearest first; hardly ever is one of them not among the nearest, see `_LAX`.
+        found : (m,) ndarray of int
+            How many of each row are not further than `within`; the loads after these mean nothing.
         """
         points, angles = _points(positions, rotations, self.free_spin)
         ranks = np.arange(1, count + 1)
         distance, index = self.tree.query(points, ranks, _LAX, distance_upper_bound=within)
-        known = np.isfinite(distance).sum(axis=1)
+        found = np.isfinite(distance).sum(axis=1)
         index = np.where(np.isfinite(distance), index, 0)
-        return _turn_loads(self.loads[index], angles[:, None]), known
+        return _turn_loads(self.loads[index], angles[:, None]), found
 
 
 def _turn_loads(loads: Array, angles: Array) -> Array:

@@ -28,7 +28,7 @@ from loopelastica.rod.kernels.records import Method, Problem, Start, Status, sta
 from loopelastica.rod.kernels.rotations import quaternion_from_matrix
 
 # largest end error (position, rotation vector) of a converged solution on the check mesh, and
-# what can be asked for: below, rounding decides; above, a residual means little
+# the range of it: below, rounding decides; above, a residual means little
 TOLERANCE = 1e-9
 _TOLERANCES = 1e-11, 1e-3
 
@@ -96,7 +96,25 @@ def straight(clamping: Clamping, torsion_ratio: float) -> Equilibrium | None:
     """The rod stretched straight, or None if the clamping leaves it slack.
 
     Its ends fix no tension: any F along the rod is in equilibrium, and F = 0 is returned, with the
-    twist of least energy. Raises ValueError if no rod fits.
+    twist of least energy.
+
+    Parameters
+    ----------
+    clamping : Clamping
+        With a free end spin the rod has no twist.
+    torsion_ratio : float
+        K30.
+
+    Returns
+    -------
+    Equilibrium or None
+        Its residual is how far the clamping is from a straight rod's, below 1e-8.
+
+    Raises
+    ------
+    ValueError
+        If no rod fits: the ends are further apart than its length, or as far with end tangents
+        that do not point along it.
     """
     distance = float(np.linalg.norm(clamping.position))
     if distance < 1.0 - STRAIGHT:
@@ -160,7 +178,24 @@ def from_standard_starts(
     lowest: bool = False,
     tolerance: float = TOLERANCE,
 ) -> Equilibrium:
-    """The first or the lowest equilibrium that the standard starts find, for a slack clamping."""
+    """The first or the lowest equilibrium that the standard starts find.
+
+    Parameters
+    ----------
+    clamping : Clamping
+        With its ends less than the rod's length apart.
+    torsion_ratio : float
+        K30.
+    lowest : bool
+        Finish all starts that may lead to the lowest; otherwise stop at the first solution.
+    tolerance : float
+        Largest residual of a solution.
+
+    Returns
+    -------
+    Equilibrium
+        With the status ``STALLED`` where no start arrived.
+    """
     starts = standard_starts(torsion_ratio, clamping.free_spin)
     search = Search(_NOTHING, _NONE_KNOWN, 0, starts, RETRIES, lowest, True, True)
     return _searched(clamping, torsion_ratio, search, tolerance)
@@ -182,7 +217,26 @@ def from_loads(
     patience: int,
     tolerance: float = TOLERANCE,
 ) -> Equilibrium:
-    """Newton's method from given loads (6,), in ``patience`` steps."""
+    """Newton's method from given loads.
+
+    Parameters
+    ----------
+    clamping : Clamping
+        The goal.
+    torsion_ratio : float
+        K30.
+    loads : (6,) ndarray
+        F and M at s = 0 in the start frame to begin with; left as they are.
+    patience : int
+        Steps made at least, if they are needed; more follow as long as each halves the error.
+    tolerance : float
+        Largest residual of a solution.
+
+    Returns
+    -------
+    Equilibrium
+        Determined by its loads alone; energy and residual are inf where nothing was found.
+    """
     guess = np.array(loads, dtype=np.float64).reshape(1, 1, 6)
     known = np.ones(1, np.int64)
     search = Search(guess, known, patience, _NO_STARTS, _NO_STARTS, False, False, True)

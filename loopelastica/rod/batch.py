@@ -32,8 +32,8 @@ from loopelastica.rod.kernels.records import Method, Status
 from loopelastica.rod.solve import by_detour
 
 _CHUNK = 256
-# stored rods tried for each row of a batch, and how near they must be: further ones lead nowhere
-# more often than they spare the standard starts
+# rods of the guess library tried for each row, and how near they must be: further ones lead
+# nowhere more often than they spare the standard starts
 _NEIGHBOURS, _NEAR = 6, 0.24
 # Newton steps that a stored rod is given to come near: one that needs more seldom does
 _HASTE = 4
@@ -134,9 +134,9 @@ def solve_batch(
 ) -> Batch:
     """Solve many clampings; one that fails is a row with a status.
 
-    Where any equilibrium will do (``lowest=False``), the nearest stored rods are tried first, which
-    is several times faster. A row does not depend on the others, on how rows are cut into batches
-    or on `threads`.
+    Where any equilibrium will do (``lowest=False``), the nearest rods of the guess library are
+    tried first, which is several times faster. A row does not depend on the others, on how rows are
+    cut into batches or on `threads`.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def solve_batch(
     >>> import numpy as np
     >>> batch = solve_batch([[0, 0, 0.9], [0, 0, 1.1]], [np.eye(3), np.eye(3)])
     >>> print(batch.converged, batch.status, round(batch[0].energy, 4))
-    [ True False] [0 5] 7.6985
+    [ True False] [0 5] 4.0504
     """
     deadline, tolerance = Deadline(time_limit_s), check_tolerance(tolerance)
     batch = _unsolved(positions, rotations, torsion_ratio, bool(free_spin))

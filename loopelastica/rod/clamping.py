@@ -14,6 +14,8 @@ from loopelastica._arrays import Array, Record, read_only
 
 # a matrix read from a file with five decimals is still a rotation; a worse one is a mistake
 _ORTHONORMAL = 1e-4
+# what is orthonormal to rounding is kept to the last bit, so that clampings read back are equal
+_ROUNDING = 1e-14
 
 
 def _nearest_rotation(rotation: Array) -> Array:
@@ -29,6 +31,8 @@ def _nearest_rotation(rotation: Array) -> Array:
         )
     if np.linalg.det(rotation) < 0:
         raise ValueError("`rotation` is not a rotation: its determinant is −1, a reflection")
+    if defect < _ROUNDING:
+        return rotation
     u, _, vt = np.linalg.svd(rotation)
     return np.asarray(u @ vt, dtype=np.float64)
 
@@ -84,6 +88,10 @@ class Clamping(Record):
         object.__setattr__(self, "rotation", read_only(rotation))
         object.__setattr__(self, "free_spin", bool(self.free_spin))
 
+    def __reduce__(self) -> Any:
+        # arrays come back from a pickle writeable; a new object protects its own
+        return type(self), (self.position, self.rotation, self.free_spin)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Clamping):
             return NotImplemented
@@ -97,7 +105,24 @@ class Clamping(Record):
 
     @classmethod
     def from_parameters(cls, q: ArrayLike, free_spin: bool = False) -> "Clamping":
-        """From (η1, η2, η3, ψ, θ, φ): eq. 6, ZYZ Euler angles in radians."""
+        """From the six parameters of eq. 6.
+
+        Parameters
+        ----------
+        q : (6,) array_like
+            η1, η2, η3 in units of the length; the ZYZ Euler angles ψ, θ, φ in radians.
+        free_spin : bool
+            As for :class:`Clamping`.
+
+        Returns
+        -------
+        Clamping
+
+        Raises
+        ------
+        ValueError
+            If `q` has another shape or is not finite.
+        """
         values = np.asarray(q, dtype=np.float64)
         if values.shape != (6,):
             raise ValueError(f"`q` has shape {values.shape}; it must be six clamping parameters")
@@ -115,7 +140,28 @@ class Clamping(Record):
         length: float,
         free_spin: bool = False,
     ) -> "Clamping":
-        """From two frames in space, columns d1 d2 d3, and the rod's length in the same unit."""
+        """From two frames in space.
+
+        Parameters
+        ----------
+        start_origin, end_origin : (3,) array_like
+            Where the rod starts and ends, in any unit.
+        start_frame, end_frame : (3, 3) array_like
+            Frames there, columns d1 d2 d3.
+        length : float
+            The rod's length in the same unit.
+        free_spin : bool
+            As for :class:`Clamping`.
+
+        Returns
+        -------
+        Clamping
+
+        Raises
+        ------
+        ValueError
+            If `length` is not positive and finite, or a frame is no rotation.
+        """
         if not (np.isfinite(length) and length > 0):
             raise ValueError(f"`length` is {length}; it must be positive and finite")
         frame = _nearest_rotation(np.array(start_frame, dtype=np.float64))

@@ -12,8 +12,7 @@ tangent within 20° of the one before. Its length is measured in loads divided b
 """
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -38,7 +37,6 @@ from loopelastica.rod._branch import (
     step_along,
     turned_downhill,
 )
-from loopelastica.rod._starts import from_standard_starts
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import MESSAGES, Equilibrium
 from loopelastica.rod.kernels.records import Method, Status
@@ -50,8 +48,6 @@ _GROW, _SHRINK = 1.5, 0.4
 _FIRST_STEP, _LEAST_STEP = 0.05, 1e-6
 # a change of pose (L, radian) that one step of Newton's method is tried on
 _SMALL = 0.2
-# how far, and where to, the clamping is moved for a detour
-_DETOURS = tuple((size, seed) for seed in range(3) for size in (0.1, 0.3, 0.2, 0.03))
 # √F below which boundary layers hand over to nodes again
 _SLACK = 100.0
 
@@ -65,14 +61,15 @@ class Path(Record):
     parameter : (n,) ndarray
         Where along the motion each rod stands: t from 0 to 1, or turns of the end.
     rods : tuple of Equilibrium
-        The equilibria, the given one first; with their Morse index if it was asked for.
+        The equilibria, the given one first; with their Morse index if `stability` was on.
     folds : (k,) ndarray
         Parameters at which the branch turns back, in the order they were met.
     stability_lost : (l,) ndarray
         Parameters at which the Morse index rises from 0; empty if it was not computed.
     status : Status
-        0 if the goal was reached; ``message`` says in words why the path ends.
+        0 if the goal was reached.
     message : str
+        The status in words.
     end : Equilibrium or None
         The equilibrium at the goal.
     """
@@ -100,8 +97,8 @@ class Path(Record):
 
         Where stability is lost first, or, if that was not computed, the first fold.
         """
-        known = len(self.rods) > 0 and self.rods[-1].index is not None
-        events = self.stability_lost if known else self.folds
+        judged = len(self.rods) > 0 and self.rods[-1].index is not None
+        events = self.stability_lost if judged else self.folds
         return float(events[0]) if len(events) else None
 
 
@@ -228,38 +225,6 @@ def twist_end(
         return refusal
     following = _Continuation(clamp_path, abs(float(turns)), stability)
     return following.given(rod) if turns == 0 else following.follow(rod, steps, max_step)
-
-
-def detours(clamping: Clamping, torsion_ratio: float) -> Iterator[Equilibrium | None]:
-    """Equilibria of a clamping reached from others nearby.
-
-    Where solutions lie on a circle, or nearly, Newton's method has a direction in which it does
-    not know where to stop. A clamping a few degrees away has isolated solutions, and along the way
-    back the path stays on one of them.
-
-    Parameters
-    ----------
-    clamping : Clamping
-        The goal, with its ends less than the rod's length apart.
-    torsion_ratio : float
-        K30.
-
-    Yields
-    ------
-    Equilibrium or None
-        Verified as any other; None where a way led nowhere. The displacements are fixed, so two
-        runs agree.
-    """
-    from scipy.spatial.transform import Rotation
-
-    for size, seed in _DETOURS:
-        rng = np.random.default_rng(seed)
-        turn = Rotation.from_rotvec(size * rng.normal(size=3)).as_matrix()
-        shifted = (1.0 - 0.3 * size) * clamping.position + 0.1 * size * rng.normal(size=3)
-        near = Clamping(shifted, clamping.rotation @ turn, clamping.free_spin)
-        rod = from_standard_starts(near, torsion_ratio)
-        path = continue_clamping(rod, clamping, steps=200, stability=False)
-        yield None if path.end is None else replace(path.end, method=Method.NEARBY)
 
 
 def _refused(rod: Equilibrium, clamping: Clamping) -> Path | None:
@@ -403,7 +368,7 @@ class _Continuation:
             lost = self.clamp_path.unit * parameter_where(
                 self.clamp_path, before, after, ds, self._firmness
             )
-            # most often at the fold, which is known better
+            # most often at the fold, which is located more closely
             at_fold = [t for t in self.folds[-1:] if abs(t - lost) < 1e-4]
             self.lost.append(at_fold[0] if at_fold else lost)
 

@@ -1,15 +1,16 @@
 """All equilibria of a clamping that many starts can find.
 
-Two kinds of starts take turns. The structured ones of ``multistart`` (whole turns, sides, kicks)
-end in minima; Newton's method from the nearest stored rods (``_library``) finds saddles as well.
+Two kinds of starts take turns. The structured ones of ``multistart`` (whole turns, sides, bows,
+half waves) mostly end in minima; Newton's method from the nearest rods of the guess library
+(``_library``) finds saddles as well.
 What they lead to is compared at nine points along the rod: two results are one equilibrium if
 positions and frames agree within `SAME`. Where both ends lie on one line the rod can be turned
 about it at no cost, and two results are one if they agree after such a turn.
 
 From how often each equilibrium was hit follows how much is still unseen (Good–Turing: the share of
 hits that were first and only ones is the chance that the next start finds something new). Rounds
-go on, to more turns and farther stored rods, until that falls under `UNSEEN` or
-the starts are used up.
+go on, to more turns and farther rods of the library, until that falls under `UNSEEN` or the starts
+are used up.
 """
 
 import functools
@@ -41,7 +42,7 @@ from loopelastica.rod.stability import assess
 # largest difference of position (L) or frame components between two copies of one equilibrium
 SAME = 1e-5
 UNSEEN = 0.02
-# Newton steps from a stored rod
+# Newton steps from a rod of the guess library
 _PATIENCE = 40
 # bending the rod twice around costs ½(4π)²
 ENERGY_SPAN = 8.0 * math.pi**2
@@ -65,7 +66,7 @@ def _both(turns: tuple[float, ...]) -> tuple[Start, ...]:
     return (*_sided(turns), *_sided(turns, minimized=False))
 
 
-# rounds: their starts, and how many stored rods follow
+# rounds: their starts, and how many rods of the guess library follow
 _ROUNDS: tuple[tuple[tuple[Start, ...], int], ...] = (
     ((*_both((0.0, 1.0, -1.0)), *_waves((0.0,))), 16),
     (
@@ -171,7 +172,7 @@ def equilibria(
     Raises
     ------
     ValueError
-        As for :func:`solve`.
+        As for :func:`solve`, and if `rounds` is not 1 to 4.
 
     Examples
     --------
@@ -219,7 +220,7 @@ def _ways(
     guesses: Array,
     tolerance: float,
 ) -> list[Callable[[], Equilibrium]]:
-    """The starts of a round: structured ones, then stored rods."""
+    """The starts of a round: structured ones, then rods of the guess library."""
     waves = _nearly_in_line(clamping)
     structured = [start for start in starts if waves or start.half_waves == 0.0]
     shot = partial(from_loads, clamping, torsion_ratio, patience=_PATIENCE, tolerance=tolerance)
@@ -230,7 +231,7 @@ def _ways(
 
 
 def _stored(clamping: Clamping, torsion_ratio: float, count: int) -> Array:
-    """Loads (count, 6) of the stored rods nearest to a clamping."""
+    """Loads (count, 6) of the rods of the guess library nearest to a clamping."""
     if count == 0:
         return np.empty((0, 6))
     stored = stored_rods(torsion_ratio, clamping.free_spin)

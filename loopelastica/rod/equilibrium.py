@@ -1,4 +1,4 @@
-"""One equilibrium of a clamped rod, and what it knows of itself.
+"""One equilibrium of a clamped rod, and what follows from it.
 
 An equilibrium carries its loads and the poses of its nodes, or its two boundary layers.
 Between two nodes it is integrated from the node before, so that errors grow over one interval
@@ -21,7 +21,7 @@ from loopelastica.rod.kernels.records import LAYERS, Method, Status
 if TYPE_CHECKING:
     from loopelastica.rod.parameters import PhysicalParameters
 
-# points from which the integer of the net winding is told
+# points that fix the integer of the net winding
 _WINDING_POINTS = 401
 
 # steps per radian of turning when a solution is drawn: 1e-12 over unit length
@@ -48,7 +48,7 @@ class Equilibrium(Record):
     Attributes
     ----------
     clamping : Clamping
-        What was asked for.
+        The clamping that was given.
     torsion_ratio : float
         K30 = K3/K0 (eq. 5 of doi:10.1016/j.jcp.2018.07.021).
     loads : (6,) ndarray
@@ -229,7 +229,10 @@ class Equilibrium(Record):
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> "Equilibrium":
-        """The inverse of :meth:`to_dict`."""
+        """The inverse of :meth:`to_dict`.
+
+        Raises KeyError if a value is missing, and what :class:`Clamping` raises.
+        """
 
         def number(name: str) -> float:
             return math.inf if values[name] is None else float(values[name])

@@ -4,7 +4,7 @@ Ameline, Haliyo, Huang, Cognet, J. Comput. Phys. 373 (2018) 736, DOI 10.1016/j.j
 eq. 8–28. In Landau's frame, with the force along e_k and μ = √(K0/F) as the unit of length, an
 equilibrium is determined by six numbers p = (λ, t_P, a, φ0, s_ini/μ, L/μ): three constants of the
 infinite rod, the spin of its frame, and the piece that is cut out of it. The closed form that
-evaluates them is explained in :mod:`loopelastica.rod.kernels.closed_form`.
+evaluates them is in :mod:`loopelastica.rod.kernels.closed_form`.
 
 In units L = 1 and K0 = 1 (those of the loads) the force is (L/μ)² and a moment (L/μ) times its
 value in units K0/μ. A rod without force has no μ and no p: :func:`forceless` draws it.

@@ -35,7 +35,7 @@ def assess(rod: Equilibrium) -> Equilibrium:
     Parameters
     ----------
     rod : Equilibrium
-        Unchanged if it did not converge or knows its index already.
+        Unchanged if it did not converge or has its index already.
 
     Returns
     -------

@@ -1,3 +1,7 @@
+import copy
+import json
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -93,3 +97,43 @@ def test_integers_and_lists_are_cast_and_arrays_cannot_be_written():
     with pytest.raises(ValueError, match="read-only"):
         c.position[0] = 1
     assert Clamping.from_dict(c.to_dict()) == c
+
+
+def test_what_is_read_back_is_equal_to_the_last_bit_and_cannot_be_written(rng):
+    for rotation in Rotation.random(30, random_state=rng).as_matrix():
+        c = Clamping(rng.uniform(-0.5, 0.5, 3), rotation + 1e-6 * rng.normal(size=(3, 3)))
+        for again in (
+            Clamping.from_dict(json.loads(json.dumps(c.to_dict()))),
+            pickle.loads(pickle.dumps(c)),
+            copy.deepcopy(c),
+            copy.copy(c),
+        ):
+            assert again == c
+            for array in (again.position, again.rotation):
+                with pytest.raises(ValueError, match="read-only"):
+                    array[0] = 1
+
+
+def test_clampings_differ_in_any_of_their_parts():
+    c = Clamping([0, 0, 0.5], np.eye(3))
+    assert c != Clamping([0, 0, 0.5], np.eye(3), free_spin=True)
+    assert c != Clamping([0, 0, np.nextafter(0.5, 1)], np.eye(3))
+    assert c != Clamping.from_parameters([0, 0, 0.5, 1e-12, 0, 0])
+    assert c != "a clamping"
+
+
+def test_nearly_orthonormal_matrices_are_taken_for_the_nearest_rotation(rng):
+    rotation = Rotation.random(random_state=rng).as_matrix()
+    rounded = Clamping([0, 0, 0.5], rotation.round(5)).rotation
+    np.testing.assert_allclose(rounded, rotation, atol=1e-5)
+    np.testing.assert_allclose(rounded.T @ rounded, np.eye(3), atol=1e-15)
+    with pytest.raises(ValueError, match="`rotation`"):
+        Clamping([0, 0, 0.5], rotation.round(3))
+
+
+def test_an_end_on_the_line_of_both_tangents_is_seen():
+    line = Clamping.from_parameters([0, 0, -0.5, 2.0, 0, 0])
+    assert line.on_one_line
+    assert not Clamping.from_parameters([0, 0, 0.5, 2.0, np.pi, 0]).on_one_line
+    assert not Clamping.from_parameters([1e-8, 0, 0.5, 2.0, 0, 0]).on_one_line
+    assert not Clamping.from_parameters([0, 0, 0.5, 2.0, 1e-8, 0]).on_one_line

@@ -1,3 +1,4 @@
+import inspect
 import math
 
 import numpy as np
@@ -7,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica.rod.continuation import continue_clamping, twist_end
-from loopelastica.rod.equilibrium import Status
+from loopelastica.rod.kernels.records import Status
 
 FIGURE_6 = [-0.4, -0.1, 0.5, 4.8, 1.4, 2.2]
 
@@ -193,3 +194,23 @@ def test_arguments_that_make_no_sense_are_refused():
         twist_end(rod, math.nan)
     with pytest.raises(ValueError, match="`rod`"):
         twist_end(free, 1.0)
+
+
+def test_both_ways_to_move_a_rod_have_the_same_defaults():
+    clamp, twist = (inspect.signature(f).parameters for f in (continue_clamping, twist_end))
+    for name in ("max_step", "stability"):
+        assert clamp[name].default == twist[name].default
+        assert clamp[name].kind == twist[name].kind == inspect.Parameter.KEYWORD_ONLY
+    rod = le.solve(le.Clamping.from_parameters(FIGURE_6))
+    near = le.Clamping.from_parameters(np.array(FIGURE_6) + 0.01)
+    for path in (continue_clamping(rod, near), twist_end(rod, 0.02)):
+        assert all(r.index == 0 for r in path.rods)
+
+
+def test_without_stability_the_first_fold_is_where_a_rod_snaps():
+    rod = le.solve(le.Clamping.from_parameters(FIGURE_6))
+    path = twist_end(rod, 2.5, stability=False)
+    assert len(path.stability_lost) == 0
+    assert all(r.index is None for r in path.rods)
+    assert path.snaps_at == path.folds[0]
+    assert twist_end(rod, 0.02).snaps_at is None

@@ -1,76 +1,13 @@
-import json
-
 import numpy as np
 import pytest
-from draws import load_drawn, pose_drawn
+from draws import load_drawn
 
 import loopelastica as le
 import loopelastica.rod.solve as solving
-from loopelastica.rod.equilibrium import Status
+from loopelastica.rod.continuation import continue_clamping, detours, twist_end
+from loopelastica.rod.kernels.records import Method, Status
 
-
-def end_misfit(rod, clamping):
-    """Largest end error of what the user is given, by its own center line and frames."""
-    r, frame = rod.centerline(5)[-1], rod.frames(5)[-1]
-    if clamping.free_spin:
-        frame, target = frame[:, 2], clamping.rotation[:, 2]
-    else:
-        target = clamping.rotation
-    return max(np.abs(r - clamping.position).max(), np.abs(frame - target).max())
-
-
-@pytest.mark.parametrize("free_spin", [False, True])
-@pytest.mark.parametrize("torsion_ratio", [0.7, 1.0, 1.5])
-def test_every_load_drawn_pose_is_solved_below_1e_9(rng, torsion_ratio, free_spin):
-    positions, rotations = load_drawn(rng, 170, torsion_ratio, free_spin)
-    batch = le.solve_batch(positions, rotations, torsion_ratio, free_spin)
-    assert batch.converged.all()
-    assert batch.residual.max() < 1e-9
-    for i in range(0, 170, 10):
-        clamping = le.Clamping(positions[i], rotations[i], free_spin)
-        rod = le.solve(clamping, torsion_ratio, lowest=False)
-        assert end_misfit(rod, clamping) < 2e-9
-        # the batch may have gone another way to another rod; its loads must fit as well
-        shot = le.Equilibrium(
-            clamping, torsion_ratio, batch.loads[i], batch.energy[i], 0.0, Status.CONVERGED
-        )
-        if np.linalg.norm(batch.loads[i, :3]) < 100:
-            assert end_misfit(shot, clamping) < 2e-9
-
-
-def test_rows_do_not_depend_on_their_batch_or_on_threads(rng, monkeypatch):
-    positions, rotations = load_drawn(rng, 40)
-    whole = le.solve_batch(positions, rotations)
-    parts = [le.solve_batch(positions[i::3], rotations[i::3]) for i in range(3)]
-    monkeypatch.setattr(solving, "_CHUNK", 7)
-    threaded = le.solve_batch(positions, rotations, threads=2)
-    for i, part in enumerate(parts):
-        np.testing.assert_array_equal(part.loads, whole.loads[i::3])
-    np.testing.assert_array_equal(threaded.loads, whole.loads)
-    np.testing.assert_array_equal(threaded.energy, whole.energy)
-
-
-def test_the_lowest_of_a_batch_is_that_of_solve(rng):
-    positions, rotations = pose_drawn(rng, 12, high=0.9)
-    batch = le.solve_batch(positions, rotations, lowest=True)
-    for i in range(12):
-        rod = le.solve(le.Clamping(positions[i], rotations[i]))
-        np.testing.assert_allclose(rod.loads, batch.loads[i], rtol=1e-6, atol=1e-6)
-
-
-def test_the_first_solution_is_not_lower_than_the_lowest(rng):
-    poses = pose_drawn(rng, 30, high=0.6)
-    first, lowest = (le.solve_batch(*poses, lowest=flag) for flag in (False, True))
-    assert first.converged.any()
-    assert (lowest.energy <= first.energy + 1e-9).all()
-    assert (lowest.energy < first.energy - 1e-3).any()
-
-
-def test_free_spin_has_no_end_moment_about_the_tangent_and_costs_less(rng):
-    positions, rotations = load_drawn(rng, 20)
-    free = le.solve_batch(positions, rotations, free_spin=True, lowest=True)
-    assert free.converged.all()
-    assert (free.loads[:, 5] == 0).all()
+FIGURE_6 = [-0.4, -0.1, 0.5, 4.8, 1.4, 2.2]
 
 
 def test_rotating_the_start_frame_rotates_the_loads(rng):
@@ -103,42 +40,6 @@ def test_reversed_and_mirrored_loads_solve_the_reversed_and_mirrored_clamping(rn
             np.testing.assert_allclose(p[0], target.position, atol=1e-8)
 
 
-def test_chain_reversal_gives_the_reversed_rod(rng):
-    for position, rotation in zip(*load_drawn(rng, 10), strict=True):
-        clamping = le.Clamping(position, rotation)
-        forward = le.equilibria(clamping)
-        backward = le.equilibria(clamping.reversed())
-        # the search starts differ, so the lists may; the lowest is found from both sides
-        assert forward[0].energy == pytest.approx(backward[0].energy, rel=1e-8)
-        line = forward[0].centerline(9)
-        # the reversed start frame is ours at the end, with d2 and d3 turned round
-        ours = rotation @ np.diag([1.0, -1, -1])
-        again = backward[0].centerline(9)[::-1] @ ours.T + position
-        np.testing.assert_allclose(again, line, atol=1e-6)
-
-
-def test_known_planar_energies_at_aligned_ends():
-    # planar elasticae over a chord of 0.9: two inflections, one loop (see the docstring's bound)
-    rods = le.equilibria(le.Clamping([0, 0, 0.9], np.eye(3)))
-    energies = np.array([rod.energy for rod in rods])
-    for known in (4.1, 16.2, 36.5):
-        assert np.abs(energies - known).min() < 0.06
-    # a circle of solutions is listed once: energies repeat for mirror images only
-    assert np.sum(np.abs(energies - energies[0]) < 1e-6) == 1
-
-
-def test_equilibria_are_sorted_distinct_and_below_the_bound(rng):
-    for position, rotation in zip(*load_drawn(rng, 10), strict=True):
-        rods = le.equilibria(le.Clamping(position, rotation), energy_max=60.0)
-        energies = [rod.energy for rod in rods]
-        assert energies == sorted(energies)
-        assert all(e <= 60 for e in energies)
-        assert 0 <= rods.unseen <= 1
-        for i, a in enumerate(rods):
-            for b in rods[:i]:
-                assert np.abs(a.frames(9) - b.frames(9)).max() > 1e-5
-
-
 def test_what_cannot_be_is_refused_with_the_reason():
     with pytest.raises(ValueError, match="further"):
         le.solve(le.Clamping([0, 0, 1.1], np.eye(3)))
@@ -148,22 +49,6 @@ def test_what_cannot_be_is_refused_with_the_reason():
         le.solve(le.Clamping([0, 0, 0.5], np.eye(3)), torsion_ratio=0)
     with pytest.raises(ValueError, match="rotations"):
         le.solve_batch(np.zeros((2, 3)), np.zeros((3, 3, 3)))
-
-
-def test_a_batch_reports_impossible_rows_and_solves_the_others():
-    positions = np.array([[0, 0, 0.9], [0, 0, 1.1], [0, 0, np.nan], [0, 0, 1.0], [0, 0, 0.5]])
-    rotations = np.array([np.eye(3)] * 5)
-    rotations[4] *= 2
-    batch = le.solve_batch(positions, rotations)
-    assert batch.status.tolist() == [
-        Status.CONVERGED,
-        Status.UNREACHABLE,
-        Status.BAD_INPUT,
-        Status.CONVERGED,
-        Status.BAD_INPUT,
-    ]
-    assert np.isinf(batch.energy[~batch.converged]).all()
-    assert not np.isnan(batch.loads).any()
 
 
 def test_the_straight_rod_carries_twist_and_no_force():
@@ -176,41 +61,174 @@ def test_the_straight_rod_carries_twist_and_no_force():
     np.testing.assert_allclose(rod.frames(3)[-1], quarter.rotation, atol=1e-12)
 
 
-def test_an_equilibrium_survives_json_and_takes_points_or_arc_lengths(rng):
-    position, rotation = (a[0] for a in load_drawn(rng, 1))
-    rod = le.solve(le.Clamping(position, rotation), 0.7)
-    again = le.Equilibrium.from_dict(json.loads(json.dumps(rod.to_dict())))
-    np.testing.assert_array_equal(again.centerline(11), rod.centerline(11))
-    s = np.array([0.7, 0.1, 1.0])
-    np.testing.assert_allclose(rod.centerline(s)[[1, 0, 2]], rod.centerline(np.sort(s)))
-    assert rod.curvature(11).shape == (11,)
-    for wrong in (0, [[0.5]], [1.5], [np.nan]):
-        with pytest.raises(ValueError, match="`n`"):
-            rod.centerline(wrong)
+def nearby(clamping, rng, size):
+    from scipy.spatial.transform import Rotation
+
+    turn = Rotation.from_rotvec(size * rng.normal(size=3)).as_matrix()
+    shift = 0.2 * size * rng.normal(size=3)
+    return le.Clamping(clamping.position + shift, clamping.rotation @ turn, clamping.free_spin)
 
 
-def test_physical_parameters_and_net_winding_of_a_solution(rng):
-    for position, rotation in zip(*load_drawn(rng, 5, 0.7), strict=True):
-        rod = le.solve(le.Clamping(position, rotation), 0.7)
-        closed_form = rod.physical.clamping(0.7)
-        np.testing.assert_allclose(closed_form.position, position, atol=1e-8)
-        np.testing.assert_allclose(closed_form.rotation, rotation, atol=1e-8)
-        # all equilibria of one clamping have net windings an integer apart
-        others = le.equilibria(rod.clamping, 0.7)
-        apart = np.array([r.net_winding - rod.net_winding for r in others])
-        np.testing.assert_allclose(apart, np.round(apart), atol=1e-8)
-        assert rod.writhe + rod.twist == pytest.approx(rod.net_winding)
-    circle = le.solve(le.Clamping.from_parameters([0, 0, 1, 0.5, 0, 0]))
-    assert circle.physical is None
+@pytest.mark.parametrize("free_spin", [False, True])
+def test_a_guess_leads_to_the_rod_next_to_it(rng, free_spin):
+    for position, rotation in zip(*load_drawn(rng, 6, 0.7, free_spin, 0.8), strict=True):
+        rod = le.solve(le.Clamping(position, rotation, free_spin), 0.7)
+        goal = nearby(rod.clamping, rng, 0.01)
+        for guess in (rod, rod.loads, rod.loads.tolist()):
+            warm = le.solve(goal, 0.7, guess=guess)
+            assert_next(warm, rod, goal)
 
 
-def test_turns_select_wound_rods_and_circles_are_labelled():
-    tense = le.Clamping.from_parameters([0.0, 0.0, 0.97, 0.3, 0.1, 0.2])
-    for turns in (0, 2, -3):
-        rods = le.equilibria(tense, turns=turns, rounds=1, energy_max=1e4)
-        assert rods
-        assert {rod.turns for rod in rods} == {turns}
-        # under tension one of them carries the turns as twist, others as loops
-        assert any(abs(rod.twist - turns) < 0.6 for rod in rods)
-    assert not rods[0].family
-    assert all(rod.family for rod in le.equilibria(le.Clamping([0, 0, 0.9], np.eye(3)), rounds=1))
+def test_a_guess_that_is_not_the_lowest_leads_to_one_that_is_not(rng):
+    rods = le.equilibria(le.Clamping.from_parameters(FIGURE_6), rounds=1)
+    for rod in rods[1:4]:
+        goal = nearby(rod.clamping, rng, 0.01)
+        assert_next(le.solve(goal, guess=rod), rod, goal)
+
+
+def assert_next(warm, rod, goal):
+    assert warm.method == Method.GUESS
+    assert warm.residual < 1e-9
+    assert abs(warm.energy - rod.energy) < 0.1 * (1 + rod.energy)
+    assert np.abs(warm.centerline(9) - rod.centerline(9)).max() < 0.05
+    assert np.abs(warm.centerline(2)[-1] - goal.position).max() < 1e-9
+
+
+@pytest.mark.parametrize("shortening", [1e-2, 1e-3, 1e-4])
+def test_a_tense_guess_leads_to_the_rod_next_to_it(shortening):
+    direction = np.array([0.5, 0, 0.75**0.5])
+    rod = le.solve(le.Clamping((1 - shortening) * direction, np.eye(3)))
+    goal = le.Clamping((1 - 1.01 * shortening) * direction, np.eye(3))
+    warm = le.solve(goal, guess=rod)
+    assert warm.method == Method.GUESS
+    assert warm.energy == pytest.approx(le.solve(goal).energy, rel=1e-9)
+
+
+def test_a_guess_of_another_torsion_ratio_or_spin_serves_by_its_loads():
+    clamping = le.Clamping.from_parameters(FIGURE_6)
+    rod = le.solve(clamping, 1.0)
+    warm = le.solve(clamping, 0.95, guess=rod)
+    assert warm.method == Method.GUESS
+    assert warm.torsion_ratio == 0.95
+    assert warm.energy == pytest.approx(le.solve(clamping, 0.95).energy, rel=1e-9)
+    free = le.solve(le.Clamping(clamping.position, clamping.rotation, True), guess=rod)
+    assert free.clamping.free_spin
+    assert free.loads[5] == 0
+    assert free.residual < 1e-9
+
+
+def test_a_bad_guess_falls_back_to_the_standard_starts():
+    clamping = le.Clamping.from_parameters(FIGURE_6)
+    plain = le.solve(clamping)
+    stiff = [0, 0, 1e5, 0, 0, 0]
+    unsolved = le.Equilibrium(clamping, 1.0, stiff, np.inf, np.inf, Status.STALLED)
+    for guess in (stiff, unsolved):
+        rod = le.solve(clamping, guess=guess)
+        assert rod.method not in (Method.GUESS, Method.CONTINUATION)
+        np.testing.assert_array_equal(rod.loads, plain.loads)
+    # a rod stretched straight needs none
+    assert le.solve(le.Clamping([0, 0, 1], np.eye(3)), guess=stiff).method == Method.STRAIGHT
+
+
+def test_impossible_arguments_are_named():
+    clamping = le.Clamping.from_parameters(FIGURE_6)
+    for named, wrong in (
+        ("guess", np.zeros(5)),
+        ("guess", np.zeros((1, 6))),
+        ("guess", [0, 0, np.nan, 0, 0, 0]),
+        ("tolerance", 0.0),
+        ("tolerance", 0.9e-11),
+        ("tolerance", 1.1e-3),
+        ("tolerance", np.nan),
+        ("time_limit_s", 0),
+        ("time_limit_s", -1.0),
+        ("time_limit_s", "1"),
+        ("torsion_ratio", -0.1),
+        ("torsion_ratio", np.inf),
+    ):
+        with pytest.raises(ValueError, match=f"`{named}`"):
+            le.solve(clamping, **{named: wrong})
+        if named != "guess":
+            with pytest.raises(ValueError, match=f"`{named}`"):
+                le.equilibria(clamping, **{named: wrong})
+    for wrong in (0, 5):
+        with pytest.raises(ValueError, match="`rounds`"):
+            le.equilibria(clamping, rounds=wrong)
+
+
+@pytest.mark.parametrize("tolerance", [1e-11, 1e-6, 1e-3])
+def test_the_residual_is_below_the_tolerance(rng, tolerance):
+    for position, rotation in zip(*load_drawn(rng, 5), strict=True):
+        rod = le.solve(le.Clamping(position, rotation), tolerance=tolerance)
+        assert rod.converged == (rod.residual < tolerance)
+        assert rod.converged
+        warm = le.solve(rod.clamping, guess=rod.loads, tolerance=tolerance)
+        assert warm.residual < tolerance
+
+
+def unsolved(clamping):
+    return le.Equilibrium(clamping, 1.0, np.zeros(6), np.inf, np.inf, Status.STALLED)
+
+
+def test_where_no_start_arrives_a_clamping_nearby_leads_on(monkeypatch):
+    clamping = le.Clamping.from_parameters(FIGURE_6)
+    plain = le.solve(clamping)
+    ways = [rod for rod in detours(clamping, 1.0) if rod is not None]
+    assert len(ways) > 6
+    assert all(rod.method == Method.NEARBY and rod.residual < 1e-9 for rod in ways)
+    monkeypatch.setattr(solving, "from_standard_starts", lambda q, *_: unsolved(q))
+    rod = le.solve(clamping)
+    assert rod.method == Method.NEARBY
+    assert rod.energy == min(way.energy for way in ways) == pytest.approx(plain.energy)
+    first = le.solve(clamping, lowest=False)
+    np.testing.assert_array_equal(first.loads, ways[0].loads)
+
+
+def test_a_time_limit_ends_the_detours(monkeypatch):
+    clamping = le.Clamping.from_parameters(FIGURE_6)
+    plain = le.solve(clamping)
+    tried = []
+
+    def ways(results):
+        def each(*_):
+            for result in results:
+                tried.append(result)
+                yield result
+
+        return each
+
+    monkeypatch.setattr(solving, "from_standard_starts", lambda q, *_: unsolved(q))
+    monkeypatch.setattr(solving, "detours", ways([None, plain, None]))
+    rod = le.solve(clamping, time_limit_s=1e-9)
+    assert (rod.status, len(tried)) == (Status.OUT_OF_TIME, 1)
+    assert "time limit" in rod.message
+    monkeypatch.setattr(solving, "detours", ways([plain, None, None]))
+    rod = le.solve(clamping, time_limit_s=1e-9)
+    # what was found in time is returned
+    assert rod.converged
+    assert len(tried) == 2
+    monkeypatch.setattr(solving, "detours", ways([None, None]))
+    assert le.solve(clamping, time_limit_s=60.0).status == Status.STALLED
+    assert le.solve(clamping).status == Status.STALLED
+
+
+def test_the_method_says_how_a_rod_was_found():
+    clamping = le.Clamping.from_parameters(FIGURE_6)
+    rod = le.solve(clamping)
+    assert rod.method in (Method.DISCRETE_ROD, Method.DISCRETE_ROD_SHOOTING)
+    near = le.Clamping.from_parameters(np.array(FIGURE_6) + 0.01)
+    far = le.Clamping.from_parameters(np.array(FIGURE_6) + 0.1)
+    paths = (
+        continue_clamping(rod, near, natural=True),
+        continue_clamping(rod, far, natural=False),
+        twist_end(rod, 0.2),
+    )
+    for path in paths:
+        assert path.rods[0].method == rod.method
+        assert {r.method for r in path.rods[1:]} == {Method.CONTINUATION}
+        assert path.end.method == Method.CONTINUATION
+    assert le.solve(near, guess=rod).method == Method.GUESS
+    assert le.solve(le.Clamping([0, 0, 1], np.eye(3))).method == Method.STRAIGHT
+    tense = le.solve(le.Clamping([0.5, 0, 0.865], np.eye(3)))
+    assert tense.method == Method.BOUNDARY_LAYERS
+    assert str(tense.method) == "boundary layers"

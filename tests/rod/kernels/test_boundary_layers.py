@@ -1,86 +1,87 @@
 import numpy as np
 import pytest
 from draws import pose_drawn
-from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from loopelastica.rod.kernels.boundary_layers import (
-    SIZE,
-    check_tails,
-    sample_tails,
-    solve_tails,
-    tail_energy,
-    tail_loads,
-    tails_apart,
-)
+import loopelastica as le
+from loopelastica.rod.kernels.boundary_layers import end_turn, planar_start, solve_layers
+from loopelastica.rod.kernels.layer_poses import check_layers, layers_apart, sample_layers
 
 
-def tails(rng, n, low, high, torsion_ratio, free_spin=False, turns=0):
-    for position, rotation in zip(*pose_drawn(rng, n, low, high), strict=True):
-        end = Rotation.from_matrix(rotation).as_quat(scalar_first=True)
-        tail = np.zeros(SIZE)
-        gap = 1 - np.linalg.norm(position)
-        if solve_tails(
-            position, end, gap, torsion_ratio, free_spin, turns, False, False, tail
-        ) and tails_apart(tail):
-            yield position, rotation, end, tail
+@pytest.fixture
+def layered(problem, start, room):
+    """Random poses that two boundary layers solve: (clamping, problem, record)."""
+
+    def drawn(rng, n, low, high, torsion_ratio, free_spin=False, **named):
+        for position, rotation in zip(*pose_drawn(rng, n, low, high), strict=True):
+            clamping = le.Clamping(position, rotation, free_spin)
+            here, layers = problem(clamping, torsion_ratio), room().layers[0]
+            if solve_layers(here, start(**named), layers) and layers_apart(layers):
+                yield clamping, here, layers
+
+    return drawn
 
 
 @pytest.mark.parametrize("free_spin", [False, True])
 @pytest.mark.parametrize("torsion_ratio", [0.5, 1.0, 3.0])
-def test_nearly_straight_rods_are_two_tails(rng, torsion_ratio, free_spin):
+def test_nearly_straight_rods_are_two_boundary_layers(rng, layered, torsion_ratio, free_spin):
     count = 0
-    for position, rotation, end, tail in tails(rng, 40, 0.995, 0.9999, torsion_ratio, free_spin):
+    for clamping, here, layers in layered(rng, 40, 0.995, 0.9999, torsion_ratio, free_spin):
         count += 1
-        assert check_tails(tail, end, torsion_ratio, free_spin) < 1e-10
-        poses = sample_tails(tail, torsion_ratio, np.array([0.0, 1.0]))
+        assert check_layers(here, layers) < 1e-10
+        poses = sample_layers(layers, torsion_ratio, np.array([0.0, 1.0]))
         np.testing.assert_allclose(poses[0], [0, 0, 0, 1, 0, 0, 0], atol=1e-12)
-        np.testing.assert_allclose(poses[1, :3], position, atol=1e-12)
-        last = Rotation.from_quat(poses[1, 3:], scalar_first=True).as_matrix()
+        np.testing.assert_allclose(poses[1, :3], clamping.position, atol=1e-12)
+        last, rotation = (
+            Rotation.from_quat(poses[1, 3:], scalar_first=True).as_matrix(),
+            clamping.rotation,
+        )
         if free_spin:
             last, rotation = last[:, 2], rotation[:, 2]
         np.testing.assert_allclose(last, rotation, atol=1e-10)
     assert count >= 38
 
 
-def test_the_closed_form_follows_the_equations_of_the_rod(rng):
-    # from the start, over as many decay lengths as the growth of errors allows
-    for _, _, _, tail in tails(rng, 10, 0.99, 0.995, 1.0):
-        f = np.empty(6)
-        tail_loads(tail, f)
-        far = 12.0 / np.sqrt(np.linalg.norm(f[:3]))
-
-        def slope(_, y, f=f):
-            t = y[3:]
-            return np.concatenate([t, np.cross(f[3:] + np.cross(f[:3], y[:3]), t)])
-
-        s = np.linspace(0, far, 9)
-        exact = solve_ivp(slope, (0, far), [0, 0, 0, 0, 0, 1], "DOP853", s, rtol=1e-13, atol=1e-13)
-        poses = sample_tails(tail, 1.0, s)
-        np.testing.assert_allclose(poses[:, :3], exact.y[:3].T, atol=2e-8)
-
-
-def test_energy_of_the_tails_is_the_integral(rng):
-    for _, _, _, tail in tails(rng, 10, 0.99, 0.999, 0.7):
-        f = np.empty(6)
-        tail_loads(tail, f)
-        decay = 1 / np.sqrt(np.linalg.norm(f[:3]))
-        x, w = np.polynomial.legendre.leggauss(300)
-        half = 0.5 * (x + 1)
-        energy = 0.0
-        for a, b in ((0, 12 * decay), (12 * decay, 1 - 12 * decay), (1 - 12 * decay, 1)):
-            poses = sample_tails(tail, 0.7, a + (b - a) * half)
-            t = Rotation.from_quat(poses[:, 3:], scalar_first=True).as_matrix()[:, :, 2]
-            moment = f[3:] + np.cross(f[:3], poses[:, :3])
-            bending = np.linalg.norm(np.cross(moment, t), axis=1) ** 2
-            energy += (b - a) * (0.5 * w) @ (0.5 * bending)
-        assert tail_energy(tail, 0.7) == pytest.approx(energy + 0.5 * f[5] ** 2 / 0.7, rel=1e-7)
-
-
-def test_turns_wind_the_tense_rod(rng):
+def test_turns_wind_the_tense_rod(layered):
     twists = []
     for turns in (0, 3, -3):
-        (found,) = list(tails(np.random.default_rng(4), 1, 0.999, 0.9999, 1.0, turns=turns))
-        twists.append(2 * found[3][4] * np.sin(found[3][5]) / (2 * np.pi))
+        rng = np.random.default_rng(4)
+        ((_, _, layers),) = list(layered(rng, 1, 0.999, 0.9999, 1.0, turns=turns))
+        twists.append(2 * layers.root * np.sin(layers.beta) / (2 * np.pi))
     np.testing.assert_allclose(np.diff(twists[:2]), 3, atol=0.1)
     np.testing.assert_allclose(twists[2] - twists[0], -3, atol=0.1)
+
+
+def test_a_layer_over_the_other_side_costs_more(layered):
+    roots = {}
+    for over in (False, True):
+        rng = np.random.default_rng(4)
+        ((_, here, layers),) = list(layered(rng, 1, 0.999, 0.9999, 1.0, over_0=over))
+        assert check_layers(here, layers) < 1e-9
+        roots[over] = layers.root
+        # δ near 0 goes straight to the axis, near π over the other side first
+        assert (np.cos(layers.delta_0) < 0) == over
+    assert roots[True] > roots[False]
+
+
+def test_slack_rods_have_no_boundary_layers(problem, start, room):
+    here = problem(le.Clamping([0, 0, 0.1], np.eye(3)), 1.0)
+    assert not solve_layers(here, start(), room().layers[0])
+
+
+@pytest.mark.parametrize("angle", [0.05, 0.3])
+def test_the_planar_start_of_two_equal_angles_is_their_closed_form(problem, angle):
+    # both tangents at the angle α to the chord, on one side: √F (1 − |r|) = 4 (1 − cos α/2), and
+    # the axis is the chord
+    turned = Rotation.from_euler("y", -2 * angle).as_matrix()
+    shortening = 0.01 * angle**2
+    chord = Rotation.from_euler("y", -angle).apply([0, 0, 1 - shortening])
+    root, *axis = planar_start(problem(le.Clamping(chord, turned), 1.0), False, False)
+    assert root == pytest.approx(4 * (1 - np.cos(angle / 2)) / shortening, rel=1e-9)
+    np.testing.assert_allclose(axis, chord / np.linalg.norm(chord), atol=1e-12)
+
+
+def test_the_end_turn_about_an_axis_along_the_tangents_is_their_spin():
+    for spin in (0.4, -2.0, 3.0):
+        end = Rotation.from_euler("z", spin).as_quat(scalar_first=True)
+        assert end_turn(end, np.array([1.0, 0, 0, 0])) == pytest.approx(spin, abs=1e-12)

@@ -4,29 +4,32 @@ from draws import load_drawn, loads
 from scipy.spatial.transform import Rotation
 
 import loopelastica as le
-from loopelastica.rod.kernels.multiple_shooting import _integrate, _rows, gaps, polish
+from loopelastica.rod.kernels.multiple_shooting import (
+    integrate_segment,
+    mismatch,
+    new_space,
+    refine,
+    segment_rows,
+)
+from loopelastica.rod.kernels.records import Nodes
 from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN
 
 
-def scratch():
-    return np.empty(6), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN), np.empty(43)
-
-
 def test_rows_of_a_segment_are_its_derivatives(rng):
-    f, y, k, z = scratch()
-    t, b = np.empty((6, 6)), np.empty((6, 6))
+    space = new_space()
     for g in loads(rng, 5):
         node = np.concatenate([rng.normal(size=3), Rotation.random(random_state=rng).as_quat()])
 
         def end(dx, dg, g=g, node=node):
             turned = Rotation.from_rotvec(dx[:3]) * Rotation.from_quat(node[3:], scalar_first=True)
             moved = np.concatenate([node[:3] + dx[3:], turned.as_quat(scalar_first=True)])
-            _integrate(g + dg, False, moved, 0.1, 40.0, POSE, f, y, k, z)
+            integrate_segment(g + dg, False, moved, 0.1, 40.0, POSE, space)
+            y = space.y
             return moved[:3] + y[:3], Rotation.from_quat(y[3:POSE], scalar_first=True)
 
-        _integrate(g, False, node, 0.1, 40.0, WITH_JACOBIAN, f, y, k, z)
-        _rows(y, f, node, t, b)
-        t, b = t.copy(), b.copy()
+        integrate_segment(g, False, node, 0.1, 40.0, WITH_JACOBIAN, space)
+        segment_rows(node, space)
+        t, b = space.end_by_node.copy(), space.end_by_loads.copy()
         h = 1e-5
         for matrix, first in ((t, True), (b, False)):
             for j in range(6):
@@ -43,21 +46,34 @@ def test_rows_of_a_segment_are_its_derivatives(rng):
 
 
 @pytest.mark.parametrize("free_spin", [False, True])
-def test_a_disturbed_solution_is_polished_back(rng, free_spin):
-    f, y, k, z = scratch()
+def test_a_disturbed_solution_is_refined_back(rng, problem, free_spin):
     for position, rotation in zip(*load_drawn(rng, 8, 0.7, free_spin), strict=True):
-        rod = le.solve(le.Clamping(position, rotation, free_spin), 0.7)
+        clamping = le.Clamping(position, rotation, free_spin)
+        rod = le.solve(clamping, 0.7)
         s = np.linspace(0, 1, 17)
-        nodes = rod.poses_without_spin(s)
-        nodes[1:-1, :3] += 1e-3 * rng.normal(size=(15, 3))
+        nodes = Nodes(s, rod.poses_without_spin(s))
+        nodes.pose[1:-1, :3] += 1e-3 * rng.normal(size=(15, 3))
         g = rod.loads + 0.01 * rng.normal(size=6)
-        end = Rotation.from_matrix(rotation).as_quat(scalar_first=True)
+        here = problem(clamping, 0.7)
         if free_spin:
             g[5] = 0.0
-            end = nodes[-1, 3:].copy()
-        residual, energy, iterations = polish(end, 0.7, free_spin, s, nodes, g, 1e-12, 14)
+            here = here._replace(quaternion=nodes.pose[-1, 3:].copy())
+        residual, energy, iterations = refine(here, nodes, g, 1e-12, 14)
         assert residual < 1e-10
         assert iterations <= 6
         assert energy == pytest.approx(rod.energy, rel=1e-9)
         np.testing.assert_allclose(g[:5], rod.loads[:5], rtol=1e-5, atol=1e-5)
-        assert gaps(g, 0.7, free_spin, s, nodes, 9.0, f, y, k, z)[0] < 1e-10
+        assert mismatch(here, nodes, g, 9.0, new_space())[0] < 1e-10
+
+
+def test_a_start_too_far_off_ends_without_a_residual(rng, problem):
+    position, rotation = (a[0] for a in load_drawn(rng, 1))
+    clamping = le.Clamping(position, rotation)
+    s = np.linspace(0, 1, 9)
+    pose = np.hstack([3 * rng.normal(size=(9, 3)), Rotation.random(9, random_state=rng).as_quat()])
+    pose[0], pose[-1, :3] = (0, 0, 0, 1, 0, 0, 0), position
+    residual, energy, iterations = refine(
+        problem(clamping, 1.0), Nodes(s, pose), np.zeros(6), 1e-12, 14
+    )
+    assert np.isinf([residual, energy]).all()
+    assert iterations < 14

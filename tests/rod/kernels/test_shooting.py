@@ -4,12 +4,7 @@ from draws import loads
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from loopelastica.rod.kernels.newton import elastic_energy, end_error
-from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN, ends, moment_bound, sample, shoot
-
-
-def scratch():
-    return np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN), np.empty(WITH_JACOBIAN)
+from loopelastica.rod.kernels.shooting import ends, moment_bound, sample
 
 
 def matrix_ode(f, torsion_ratio, s):
@@ -39,35 +34,6 @@ def test_center_line_and_frames_solve_the_equations_of_the_rod(rng, torsion_rati
         np.testing.assert_allclose(frames.reshape(-1, 9), reference[:, 3:], atol=1e-9)
 
 
-@pytest.mark.parametrize("free_spin", [False, True])
-@pytest.mark.parametrize("torsion_ratio", [1.0, 0.7])
-def test_jacobian_agrees_with_central_differences_to_1e_7(rng, torsion_ratio, free_spin):
-    y, k, z = scratch()
-    e, jacobian, unused = np.empty(6), np.empty((6, 6)), np.zeros((6, 6))
-    for f in loads(rng, 20):
-        position, quaternion = rng.normal(size=3), rng.normal(size=4)
-        quaternion /= np.linalg.norm(quaternion)
-
-        def error(g, target=(position, quaternion)):
-            shoot(g, torsion_ratio, 80, POSE, y, k, z)
-            out = np.empty(6)
-            end_error(y, *target, free_spin, g[5], out, unused, False)
-            return out
-
-        shoot(f, torsion_ratio, 80, WITH_JACOBIAN, y, k, z)
-        end_error(y, position, quaternion, free_spin, f[5], e, jacobian, True)
-        h = 2e-4
-        differences = np.empty((6, 6))
-        for j in range(6):
-            d = np.zeros(6)
-            d[j] = h
-            # fourth order: truncation and rounding both stay below 1e-9
-            differences[:, j] = (
-                8 * (error(f + d) - error(f - d)) - (error(f + 2 * d) - error(f - 2 * d))
-            ) / (12 * h)
-        assert np.abs(jacobian - differences).max() < 1e-7 * np.abs(jacobian).max()
-
-
 def test_invariants_of_the_paper_stay_constant(rng):
     # λ, t_P and a (eq. 9–11), and the norm of the quaternion
     start = np.array([[0, 0, 0, 1.0, 0, 0, 0]])
@@ -95,32 +61,3 @@ def test_a_finer_mesh_shrinks_the_error_at_order_eight(rng):
 def test_no_load_is_the_straight_rod_and_a_moment_is_a_circle():
     p, _ = ends(np.array([[0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 2 * np.pi, 0]]), 1.0, 4.0)
     np.testing.assert_allclose(p, [[0, 0, 1], [0, 0, 0]], atol=1e-11)
-
-
-def test_energy_from_the_hamiltonian_is_the_integral(rng):
-    from numpy.polynomial.legendre import leggauss
-
-    x, w = leggauss(60)
-    s = np.append((x + 1) / 2, 1.0)
-    start = np.array([[0, 0, 0, 1.0, 0, 0, 0]])
-    for f in loads(rng, 20):
-        poses = sample(f, 0.7, np.zeros(1), start, s, 4.0)
-        t = Rotation.from_quat(poses[:, 3:], scalar_first=True).as_matrix()[:, :, 2]
-        moment = f[3:] + np.cross(f[:3], poses[:, :3])
-        twist = f[5] / 0.7
-        density = 0.5 * (np.linalg.norm(np.cross(moment, t), axis=1) ** 2 + 0.7 * twist**2)
-        assert elastic_energy(f, poses[-1, :3], 0.7) == pytest.approx(
-            (w / 2) @ density[:-1], rel=1e-9
-        )
-
-
-def test_the_table_of_the_method_is_scipys():
-    from scipy.integrate import DOP853
-
-    from loopelastica.rod.kernels import dop853
-
-    names = vars(dop853)
-    for i in range(12):
-        ours = [names.get(f"A{i}_{j}", 0.0) for j in range(12)]
-        np.testing.assert_array_equal(ours, DOP853.A[i, :12])
-    np.testing.assert_array_equal([names.get(f"B_{j}", 0.0) for j in range(12)], DOP853.B)
