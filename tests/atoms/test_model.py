@@ -45,6 +45,7 @@ def test_stem_atoms_are_the_files_own(koc, models):
     np.testing.assert_array_equal(model.positions_A[row], koc.positions(0)[atom])
 
 
+@pytest.mark.slow
 def test_rigid_motion_of_the_input_moves_the_atoms_by_the_same_motion(koc, fold, models, rng):
     positions = koc.positions(0)
     turn = Rotation.random(random_state=rng).as_matrix()
@@ -53,6 +54,7 @@ def test_rigid_motion_of_the_input_moves_the_atoms_by_the_same_motion(koc, fold,
     np.testing.assert_allclose(models[0].positions_A @ turn.T + shift, moved.positions_A, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_scrambling_the_loop_changes_no_atom(koc, fold, models, rng):
     positions = np.array(koc.positions(0))
     c1 = koc.nucleotides.columns(["C1'"])[fold.hairpin.loop, 0]
@@ -91,6 +93,7 @@ def test_a_stem_without_the_atoms_of_a_junction_is_refused(tmp_path):
 SAMPLE = ("1xue", "1ac7", "1jur", "1szy")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("entry", SAMPLE)
 def test_reference_hairpins_meet_the_figures(hairpin_folder, entry):
     structure = read_structure(hairpin_folder / f"{entry}.pdb.gz")

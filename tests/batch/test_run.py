@@ -76,6 +76,7 @@ def test_other_options_are_other_work(files, undisturbed, tmp_path):
     assert tasks[0].key == tasks_of(files[:1], OPTIONS, tmp_path)[0].key
 
 
+@pytest.mark.slow
 def test_a_run_killed_three_times_gives_the_undisturbed_table(files, undisturbed, tmp_path, rng):
     pytest.importorskip("distributed")
     out = tmp_path / "out"

@@ -45,6 +45,7 @@ def test_here_one_by_one_in_order():
         list(outcomes(work, [1], jobs=0))
 
 
+@pytest.mark.slow
 def test_a_killed_worker_and_a_poisonous_task_lose_nothing(by_value):
     tasks = [*range(12), "poison", "error", *range(12, 40)]
     seen, killed = [], None

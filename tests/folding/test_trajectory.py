@@ -39,7 +39,9 @@ def test_frames_are_folded_as_models_are(universe, loop):
     assert results.failures == []
 
 
-@pytest.mark.parametrize("backend", ["multiprocessing", "dask"])
+@pytest.mark.parametrize(
+    "backend", ["multiprocessing", pytest.param("dask", marks=pytest.mark.slow)]
+)
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_backends_agree(universe, backend):
     if backend == "dask":

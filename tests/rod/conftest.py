@@ -31,7 +31,12 @@ def start():
 @pytest.fixture(scope="session")
 def room():
     """Room for a solution; `room()`."""
-    return records.new_solution
+
+    def new():
+        nodes = records.Nodes(np.empty(records.SEGMENTS + 1), np.empty((records.SEGMENTS + 1, 7)))
+        return records.Solution(np.zeros(6), nodes, np.zeros(1, records.LAYERS))
+
+    return new
 
 
 @pytest.fixture(scope="session")

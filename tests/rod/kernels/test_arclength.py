@@ -6,6 +6,9 @@ import loopelastica as le
 from loopelastica.rod.kernels.arclength import Condition, Motion, corrected_step, moving_clamp
 from loopelastica.rod.kernels.records import Nodes
 
+# kernels that Python does not call otherwise are compiled one by one
+pytestmark = pytest.mark.slow
+
 FIGURE_6 = [-0.4, -0.1, 0.5, 4.8, 1.4, 2.2]
 
 

@@ -7,6 +7,9 @@ import loopelastica as le
 from loopelastica.rod.kernels.boundary_layers import end_turn, planar_start, solve_layers
 from loopelastica.rod.kernels.layer_poses import check_layers, layers_apart, sample_layers
 
+# kernels that Python does not call otherwise are compiled one by one
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def layered(problem, start, room):

@@ -10,6 +10,9 @@ from loopelastica.rod.kernels.discrete_rod import (
 )
 from loopelastica.rod.kernels.rotations import turn
 
+# kernels that Python does not call otherwise are compiled one by one
+pytestmark = pytest.mark.slow
+
 
 def zigzag(rng, n):
     """Frames whose hinges turn by angles of order one."""

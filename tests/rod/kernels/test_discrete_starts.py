@@ -16,6 +16,9 @@ from loopelastica.rod.kernels.discrete_starts import (
 )
 from loopelastica.rod.kernels.records import Nodes
 
+# kernels that Python does not call otherwise are compiled one by one
+pytestmark = pytest.mark.slow
+
 
 def test_graded_nodes_crowd_where_the_boundary_layers_are():
     s = np.empty(65)

@@ -144,6 +144,7 @@ def test_shipped_code_is_read_where_nothing_can_be_written(package, tmp_path):
     assert not stderr
 
 
+@pytest.mark.slow
 def test_portable_code_runs_on_other_processors(package, tmp_path):
     if not code_store.portable_environment():
         pytest.skip("no portable processor is known for this architecture")

@@ -14,6 +14,9 @@ from loopelastica.rod.kernels.layer_poses import (
     sample_layers,
 )
 
+# kernels that Python does not call otherwise are compiled one by one
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def layered(problem, start, room):

@@ -9,6 +9,9 @@ import loopelastica as le
 from loopelastica.rod.kernels.discrete_starts import start_frames
 from loopelastica.rod.kernels.minimization import _CLOSED, minimize
 
+# kernels that Python does not call otherwise are compiled one by one
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("free_spin", [False, True])
 @pytest.mark.parametrize("torsion_ratio", [0.05, 1.0, 8.0])

@@ -14,6 +14,9 @@ from loopelastica.rod.kernels.multiple_shooting import (
 from loopelastica.rod.kernels.records import Nodes
 from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN
 
+# kernels that Python does not call otherwise are compiled one by one
+pytestmark = pytest.mark.slow
+
 
 def test_rows_of_a_segment_are_its_derivatives(rng):
     space = new_space()

@@ -11,7 +11,6 @@ from loopelastica.rod.kernels.records import (
     Method,
     Start,
     Status,
-    new_solution,
     starts_array,
 )
 
@@ -40,10 +39,9 @@ def test_starts_become_rows_of_the_same_fields():
 
 
 def test_a_solution_has_room_for_every_node():
-    solution, rows = new_solution(), new_rows(3)
-    assert solution.nodes.s.shape == (SEGMENTS + 1,)
-    assert solution.nodes.pose.shape == (SEGMENTS + 1, 7)
-    assert solution.layers.dtype == rows.layers.dtype == LAYERS
+    rows = new_rows(3)
+    assert rows.node_s.shape == (3, SEGMENTS + 1)
+    assert rows.layers.dtype == LAYERS
     assert rows.node_pose.shape == (3, SEGMENTS + 1, 7)
     assert np.isinf(rows.energy).all()
     assert (rows.method == Method.NONE).all()

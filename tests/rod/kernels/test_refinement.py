@@ -16,6 +16,9 @@ from loopelastica.rod.kernels.refinement import (
     turn_about_start,
 )
 
+# kernels that Python does not call otherwise are compiled one by one
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("free_spin", [False, True])
 @pytest.mark.parametrize("over", [(False, False), (True, False), (False, True)])

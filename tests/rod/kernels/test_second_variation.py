@@ -6,6 +6,9 @@ from loopelastica.rod.kernels.discrete_rod import DiscreteRod
 from loopelastica.rod.kernels.records import Status
 from loopelastica.rod.kernels.second_variation import inertia, sign_changes
 
+# kernels that Python does not call otherwise are compiled one by one
+pytestmark = pytest.mark.slow
+
 
 def bent(loads, n):
     """Arc lengths and poses along the rod that loads bend."""

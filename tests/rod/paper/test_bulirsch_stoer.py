@@ -8,6 +8,9 @@ from scipy.integrate import solve_ivp
 
 from loopelastica.rod.paper import bulirsch_stoer
 
+# the printed method is compiled for its tests alone
+pytestmark = pytest.mark.slow
+
 
 def test_bulirsch_stoer_agrees_with_dop853(rng):
     def slope(_, y, f):

@@ -12,6 +12,9 @@ from loopelastica.rod.paper import errors as kernels
 from loopelastica.rod.paper import newton as paper_newton
 from loopelastica.rod.parameters import PhysicalParameters
 
+# the printed method is compiled for its tests alone
+pytestmark = pytest.mark.slow
+
 
 def newton_from(printed, clamping, torsion_ratio=1.0):
     """Algorithm 1 from the six printed physical parameters."""

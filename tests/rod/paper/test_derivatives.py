@@ -10,6 +10,9 @@ from loopelastica.rod.paper import ERRORS, FORWARD
 from loopelastica.rod.paper import errors as kernels
 from loopelastica.rod.paper import newton as paper_newton
 
+# the printed method is compiled for its tests alone
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("error", ["eps2", "eps3"])
 def test_both_jacobians_are_that_of_the_error(rng, error):

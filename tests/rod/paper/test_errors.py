@@ -13,6 +13,9 @@ from loopelastica.rod.paper import ERRORS
 from loopelastica.rod.paper import errors as kernels
 from loopelastica.rod.parameters import PhysicalParameters
 
+# the printed method is compiled for its tests alone
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("torsion_ratio", [1.0, 0.7])
 def test_all_ways_of_q2_agree(rng, torsion_ratio):

@@ -10,6 +10,9 @@ from loopelastica.rod.paper import grid as module
 from loopelastica.rod.paper.grid import build, grid, spacing, trial_points
 from loopelastica.rod.parameters import PhysicalParameters, a_min
 
+# the printed method is compiled for its tests alone
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("symmetry", [True, False])
 def test_points_fill_the_region_of_equation_40(symmetry):

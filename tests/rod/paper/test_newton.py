@@ -10,6 +10,9 @@ from loopelastica.rod.paper import errors as kernels
 from loopelastica.rod.paper import newton as paper_newton
 from loopelastica.rod.parameters import PhysicalParameters
 
+# the printed method is compiled for its tests alone
+pytestmark = pytest.mark.slow
+
 
 def test_the_line_search_stops_at_the_first_step_with_armijos_decrease():
     """Along a step that overshoots, j is the least exponent that passes line 7."""

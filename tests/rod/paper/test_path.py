@@ -6,6 +6,9 @@ import pytest
 from loopelastica.rod.paper import ERRORS, PaperSolver
 from loopelastica.rod.paper import path as paper_path
 
+# the printed method is compiled for its tests alone
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("error", list(ERRORS))
 def test_tested_rods_are_reached_as_often_as_printed(error):

@@ -11,6 +11,9 @@ from loopelastica.rod.paper import ERRORS, PaperSolver, continue_angle, solve_pa
 from loopelastica.rod.paper import errors as kernels
 from loopelastica.rod.parameters import PhysicalParameters
 
+# the printed method is compiled for its tests alone
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("symmetry", [True, False])
 def test_the_solver_undoes_its_turn_and_mirror(rng, symmetry):

@@ -33,6 +33,7 @@ def tiny(monkeypatch):
     monkeypatch.setattr(inverse, "_methods", few)
 
 
+@pytest.mark.slow
 def test_a_run_writes_tables_and_a_picture(tmp_path, tiny):
     pytest.importorskip("mpmath")
     rows = bench.run(tmp_path / "out", progress=False)

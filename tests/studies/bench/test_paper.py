@@ -28,6 +28,7 @@ def without_times(rows):
     return [{k: v for k, v in row.items() if k not in TIMES} for row in rows]
 
 
+@pytest.mark.slow
 def test_a_run_writes_tables_and_pictures(tmp_path):
     rows = bench.run(tmp_path / "out", sample=12, progress=False)
     assert len(rows) == 3 + 2
@@ -52,6 +53,7 @@ def test_a_run_writes_tables_and_pictures(tmp_path):
         assert picture.startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_goes_on_to_the_same_table(tmp_path, monkeypatch):
     expected = bench.run(tmp_path / "whole", sample=13, figures=(3,), progress=False)
     measure, calls = bench._measure, []
@@ -78,6 +80,7 @@ def test_an_interrupted_run_goes_on_to_the_same_table(tmp_path, monkeypatch):
     assert bench.run(out, sample=13, figures=(3,), progress=False) == rows
 
 
+@pytest.mark.slow
 def test_a_larger_sample_continues_a_smaller_one(tmp_path):
     small = bench.run(tmp_path / "out", sample=5, figures=(3,), progress=False)
     larger = bench.run(tmp_path / "out", sample=9, figures=(3,), progress=False)
@@ -86,6 +89,7 @@ def test_a_larger_sample_continues_a_smaller_one(tmp_path):
     assert without_times(larger) == without_times(at_once)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not an archive"])
 def test_damaged_partial_results_are_measured_again(tmp_path, content):
     expected = bench.run(tmp_path / "out", sample=5, figures=(3,), progress=False)
@@ -95,6 +99,7 @@ def test_damaged_partial_results_are_measured_again(tmp_path, content):
     assert without_times(again) == without_times(expected)
 
 
+@pytest.mark.slow
 def test_another_seed_does_not_take_over_results(tmp_path):
     first = bench.run(tmp_path / "out", sample=5, figures=(3,), seed=1, progress=False)
     second = bench.run(tmp_path / "out", sample=5, figures=(3,), seed=2, progress=False)

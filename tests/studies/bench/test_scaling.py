@@ -3,6 +3,7 @@
 import csv
 
 import numpy as np
+import pytest
 from typer.testing import CliRunner
 
 from loopelastica.cli.app import app
@@ -18,6 +19,7 @@ def test_any_chunking_solves_every_rod(monkeypatch):
     assert row["memory_MB"] > 10
 
 
+@pytest.mark.slow
 def test_a_row_of_its_own_process_has_memory_of_its_own():
     block = np.ones(40_000_000)
     row = bench._alone(3, 1, 1)
@@ -32,6 +34,7 @@ def test_threads_change_no_answer():
     assert two["residual_max"] == one["residual_max"]
 
 
+@pytest.mark.slow
 def test_a_run_writes_tables_slopes_and_a_picture(tmp_path, monkeypatch):
     monkeypatch.setattr(bench, "_MOST", (100, 100))
     monkeypatch.setattr(scaling_report, "_MANY", 10)

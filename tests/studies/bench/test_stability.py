@@ -20,6 +20,7 @@ def tiny(monkeypatch):
     monkeypatch.setattr(bench, "_CHECKED", (1, 1))
 
 
+@pytest.mark.slow
 def test_a_run_writes_every_case_and_no_nan(tmp_path):
     rows = bench.run(tmp_path / "out", progress=False)
     assert [row["case"] for row in rows] == [case.name for case in bench.all_cases()]
