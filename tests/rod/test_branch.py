@@ -79,3 +79,12 @@ def test_layers_are_not_looked_for_where_the_ends_are_out_of_reach():
     path = ClampPath(rod.clamping, np.array([0.5, 0, 0.9]), np.zeros(3), 1.0, 1.0)
     assert by_layers(path, rod, 0.0).energy == pytest.approx(rod.energy, rel=1e-9)
     assert by_layers(path, rod, 1.0) is None
+
+
+def test_layers_of_a_far_tenser_rod_are_not_taken_for_the_next():
+    direction = np.array([0.5, 0, 0.75**0.5])
+    rod = le.solve(le.Clamping(0.999 * direction, np.eye(3)))
+    path = ClampPath(rod.clamping, 0.001 * direction, np.zeros(3), 1.0, 1.0)
+    assert by_layers(path, rod, 0.2).energy == pytest.approx(rod.energy / 0.8, rel=1e-2)
+    # two and a half times the energy
+    assert by_layers(path, rod, 0.6) is None
