@@ -214,3 +214,15 @@ def test_without_stability_the_first_fold_is_where_a_rod_snaps():
     assert all(r.index is None for r in path.rods)
     assert path.snaps_at == path.folds[0]
     assert twist_end(rod, 0.02).snaps_at is None
+
+
+def test_a_closed_branch_ends_where_it_began():
+    rods = le.equilibria(le.Clamping([0.1, 0, 0.3], np.eye(3)), rounds=2)
+    rod = min(rods, key=lambda r: abs(r.energy - 33.3202))
+    path = twist_end(rod, 6.0, steps=300, stability=False)
+    assert path.status == Status.STALLED
+    assert "closed" in path.message
+    assert path.end is None
+    assert len(path.folds) >= 2
+    assert path.parameter[-1] == pytest.approx(0, abs=1e-9)
+    np.testing.assert_allclose(path.rods[-1].loads, rod.loads, atol=1e-4)

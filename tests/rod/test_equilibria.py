@@ -111,11 +111,26 @@ def test_the_list_counts_its_starts_and_its_hits():
 
 def test_more_rounds_are_made_until_little_is_unseen(monkeypatch):
     clamping = le.Clamping.from_parameters(FIGURE_6)
-    monkeypatch.setattr(searching, "UNSEEN", 2.0)
-    two = le.equilibria(clamping)
-    assert two.starts == le.equilibria(clamping, rounds=2).starts
     monkeypatch.setattr(searching, "UNSEEN", -1.0)
-    assert le.equilibria(clamping).starts == le.equilibria(clamping, rounds=4).starts > two.starts
+    one, two, four = (le.equilibria(clamping, rounds=n).starts for n in (1, 2, 4))
+    assert one < two < four
+    assert le.equilibria(clamping).starts == four
+    # two rounds at least, however little seems to be unseen
+    monkeypatch.setattr(searching, "UNSEEN", 2.0)
+    assert le.equilibria(clamping).starts == two
+
+
+def test_rods_that_differ_by_more_than_their_error_are_two():
+    rod = le.solve(le.Clamping.from_parameters(FIGURE_6))
+    size = 1 + np.abs(rod.loads).max()
+    for apart, count in ((0.0, 1), (1e-8, 1), (1e-7, 1), (1e-4, 2), (1e-3, 2), (0.1, 2)):
+        other = le.Equilibrium(
+            rod.clamping, 1.0, rod.loads + apart * size, rod.energy, 0.0, Status.CONVERGED
+        )
+        found = []
+        _merge(found, le.Equilibrium(rod.clamping, 1.0, rod.loads, 1.0, 0.0, Status.CONVERGED))
+        _merge(found, other)
+        assert len(found) == count, apart
 
 
 def test_a_time_limit_ends_the_search_and_is_said():
