@@ -6,13 +6,13 @@ Where any equilibrium will do, Newton's method from the nearest rods of the gues
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from loopelastica._arrays import Array
+from loopelastica._arrays import Array, Record
 from loopelastica._checks import whole
 from loopelastica.rod._arguments import check_torsion_ratio
 from loopelastica.rod._library import stored_rods
@@ -39,8 +39,24 @@ _NEIGHBOURS, _NEAR = 6, 0.24
 _HASTE = 4
 
 
+@dataclass(slots=True)
+class _Table:
+    """A :class:`Batch` in the making."""
+
+    positions: Array
+    rotations: Array
+    torsion_ratio: Array
+    free_spin: bool
+    loads: Array
+    energy: Array
+    residual: Array
+    status: NDArray[np.int64]
+    method: NDArray[np.int64]
+    records: dict[int, Any] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Batch:
+class Batch(Record):
     """Solutions of n clampings; ``batch[i]`` is an :class:`Equilibrium`.
 
     Attributes
@@ -63,6 +79,8 @@ class Batch:
     by_loads : (n,) ndarray of bool
         Whether the loads alone determine the rod to the tolerance. A tense rod needs its nodes or
         boundary layers besides, which ``batch[i]`` has.
+    records : dict
+        The nodes or boundary layers of those rows.
     """
 
     positions: Array
@@ -74,7 +92,7 @@ class Batch:
     residual: Array
     status: NDArray[np.int64]
     method: NDArray[np.int64]
-    _records: dict[int, Any] = field(default_factory=dict)
+    records: dict[int, Any] = field(default_factory=dict)
 
     @property
     def converged(self) -> NDArray[np.bool_]:
@@ -85,7 +103,7 @@ class Batch:
     def by_loads(self) -> NDArray[np.bool_]:
         """(n,) whether the loads alone determine the rod."""
         alone = self.converged.copy()
-        alone[list(self._records)] = False
+        alone[list(self.records)] = False
         return alone
 
     def __len__(self) -> int:
@@ -102,20 +120,7 @@ class Batch:
     def __getitem__(self, i: int | slice) -> Equilibrium | list[Equilibrium]:
         if isinstance(i, slice):
             return [self[k] for k in range(*i.indices(len(self)))]
-        row = range(len(self))[i]
-        if self.status[row] == Status.BAD_INPUT:
-            raise ValueError(f"row {row} is no clamping: its position or rotation is not valid")
-        clamping = Clamping(self.positions[row], self.rotations[row], self.free_spin)
-        return Equilibrium(
-            clamping,
-            float(self.torsion_ratio[row]),
-            self.loads[row],
-            float(self.energy[row]),
-            float(self.residual[row]),
-            Status(self.status[row]),
-            Method(self.method[row]),
-            **self._records.get(row, {}),
-        )
+        return _equilibrium(self, range(len(self))[i])
 
     def __iter__(self) -> Iterator[Equilibrium]:
         return (self[i] for i in range(len(self)))
@@ -175,19 +180,19 @@ def solve_batch(
     [ True False] [0 5] 4.0504
     """
     deadline, tolerance = Deadline(time_limit_s), check_tolerance(tolerance)
-    batch = _unsolved(positions, rotations, torsion_ratio, bool(free_spin))
+    table = _unsolved(positions, rotations, torsion_ratio, bool(free_spin))
     threads = whole(1)("threads", threads)
-    solvable = _solvable(batch)
-    for i in np.flatnonzero(batch.status == Status.UNREACHABLE):
-        _try_straight(int(i), batch)
+    solvable = _solvable(table)
+    for i in np.flatnonzero(table.status == Status.UNREACHABLE):
+        _try_straight(int(i), table)
 
     def solve_part(part: NDArray[np.intp]) -> None:
         if deadline.passed:
-            batch.status[part] = Status.OUT_OF_TIME
+            table.status[part] = Status.OUT_OF_TIME
             return
-        _solve_rows(part, bool(lowest), tolerance, deadline, batch)
+        _solve_rows(part, bool(lowest), tolerance, deadline, table)
 
-    parts = _parts(solvable, batch.torsion_ratio)
+    parts = _parts(solvable, table.torsion_ratio)
     if threads == 1 or len(parts) < 3:
         for part in parts:
             solve_part(part)
@@ -197,9 +202,22 @@ def solve_batch(
         solve_part(parts[0])
         with ThreadPoolExecutor(threads) as pool:
             list(pool.map(solve_part, parts[1:]))
-    for array in (batch.loads, batch.energy, batch.residual, batch.status, batch.method):
-        array.setflags(write=False)
-    return batch
+    return Batch(*(getattr(table, item.name) for item in fields(table)))
+
+
+def _equilibrium(batch: Batch | _Table, row: int) -> Equilibrium:
+    if batch.status[row] == Status.BAD_INPUT:
+        raise ValueError(f"row {row} is no clamping: its position or rotation is not valid")
+    return Equilibrium(
+        Clamping(batch.positions[row], batch.rotations[row], batch.free_spin),
+        float(batch.torsion_ratio[row]),
+        batch.loads[row],
+        float(batch.energy[row]),
+        float(batch.residual[row]),
+        Status(batch.status[row]),
+        Method(batch.method[row]),
+        **batch.records.get(row, {}),
+    )
 
 
 def _parts(solvable: NDArray[np.bool_], torsion_ratio: Array) -> list[NDArray[np.intp]]:
@@ -215,7 +233,7 @@ def _parts(solvable: NDArray[np.bool_], torsion_ratio: Array) -> list[NDArray[np
 
 def _unsolved(
     positions: ArrayLike, rotations: ArrayLike, torsion_ratio: ArrayLike, free_spin: bool
-) -> Batch:
+) -> _Table:
     """Rows that nothing has been tried on."""
     places = np.array(positions, dtype=np.float64, ndmin=1)
     frames = np.array(rotations, dtype=np.float64, ndmin=1)
@@ -230,9 +248,7 @@ def _unsolved(
         raise ValueError(f"`torsion_ratio` has shape {ratios.shape}; it must be a number or ({n},)")
     for ratio in np.unique(ratios):
         check_torsion_ratio(ratio)
-    for array in (places, frames):
-        array.setflags(write=False)
-    return Batch(
+    return _Table(
         places,
         frames,
         np.broadcast_to(ratios, (n,)),
@@ -245,9 +261,9 @@ def _unsolved(
     )
 
 
-def _solvable(batch: Batch) -> NDArray[np.bool_]:
-    """Which rows can be solved; the others are marked in ``batch``."""
-    positions, rotations = batch.positions, batch.rotations
+def _solvable(table: _Table) -> NDArray[np.bool_]:
+    """Which rows can be solved; the others are marked in ``table``."""
+    positions, rotations = table.positions, table.rotations
     with np.errstate(invalid="ignore", over="ignore"):
         products = rotations.transpose(0, 2, 1) @ rotations
         # a comparison with NaN is false, so that NaN is caught as well
@@ -256,27 +272,27 @@ def _solvable(batch: Batch) -> NDArray[np.bool_]:
         distance = np.linalg.norm(positions, axis=1)
         proper &= np.isfinite(distance)
         slack = distance < 1.0 - STRAIGHT
-    batch.status[~slack] = Status.UNREACHABLE
-    batch.status[~proper] = Status.BAD_INPUT
+    table.status[~slack] = Status.UNREACHABLE
+    table.status[~proper] = Status.BAD_INPUT
     return np.asarray(proper & slack)
 
 
-def _try_straight(i: int, batch: Batch) -> None:
-    clamping = Clamping(batch.positions[i], batch.rotations[i], batch.free_spin)
+def _try_straight(i: int, table: _Table) -> None:
+    clamping = Clamping(table.positions[i], table.rotations[i], table.free_spin)
     try:
-        rod = straight(clamping, float(batch.torsion_ratio[i]))
+        rod = straight(clamping, float(table.torsion_ratio[i]))
     except ValueError:
         return
     if rod is not None:
-        _put(batch, i, rod)
+        _put(table, i, rod)
 
 
-def _put(batch: Batch, i: int, rod: Equilibrium) -> None:
+def _put(table: _Table, i: int, rod: Equilibrium) -> None:
     """Write an equilibrium into row ``i``."""
-    batch.loads[i], batch.energy[i], batch.residual[i] = rod.loads, rod.energy, rod.residual
-    batch.status[i], batch.method[i] = rod.status, rod.method
+    table.loads[i], table.energy[i], table.residual[i] = rod.loads, rod.energy, rod.residual
+    table.status[i], table.method[i] = rod.status, rod.method
     if rod.converged and rod.method != Method.STRAIGHT:
-        batch._records[i] = {
+        table.records[i] = {
             "node_s": rod.node_s,
             "node_pose": rod.node_pose,
             "layers": rod.layers,
@@ -290,11 +306,11 @@ def _quaternions(rotations: Array) -> Array:
 
 
 def _solve_rows(
-    rows: NDArray[np.intp], lowest: bool, tolerance: float, deadline: Deadline, batch: Batch
+    rows: NDArray[np.intp], lowest: bool, tolerance: float, deadline: Deadline, table: _Table
 ) -> None:
-    """Solve the given rows, all of one torsion ratio; results into ``batch``."""
-    positions, rotations = batch.positions[rows], batch.rotations[rows]
-    torsion_ratio, free_spin, n = float(batch.torsion_ratio[rows[0]]), batch.free_spin, len(rows)
+    """Solve the given rows, all of one torsion ratio; results into ``table``."""
+    positions, rotations = table.positions[rows], table.rotations[rows]
+    torsion_ratio, free_spin, n = float(table.torsion_ratio[rows[0]]), table.free_spin, len(rows)
     guesses, known = np.zeros((n, 0, 6)), np.zeros(n, dtype=np.int64)
     if not lowest:
         stored = stored_rods(torsion_ratio, free_spin)
@@ -307,12 +323,16 @@ def _solve_rows(
         solutions,
     )
     found = solutions.method != Method.NONE
-    batch.loads[rows], batch.energy[rows] = solutions.loads, solutions.energy
-    batch.residual[rows], batch.method[rows] = solutions.residual, solutions.method
-    batch.status[rows] = np.where(found, Status.CONVERGED, Status.STALLED)
+    table.loads[rows], table.energy[rows] = solutions.loads, solutions.energy
+    table.residual[rows], table.method[rows] = solutions.residual, solutions.method
+    table.status[rows] = np.where(found, Status.CONVERGED, Status.STALLED)
     for k in np.flatnonzero(found):
         record = record_of(solutions, int(k))
         if record:
-            batch._records[int(rows[k])] = record
+            table.records[int(rows[k])] = record
     for k in np.flatnonzero(~found):
-        _put(batch, int(rows[k]), by_detour(batch[int(rows[k])], lowest, tolerance, deadline))
+        _put(
+            table,
+            int(rows[k]),
+            by_detour(_equilibrium(table, int(rows[k])), lowest, tolerance, deadline),
+        )

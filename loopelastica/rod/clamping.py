@@ -88,10 +88,6 @@ class Clamping(Record):
         object.__setattr__(self, "rotation", read_only(rotation))
         object.__setattr__(self, "free_spin", bool(self.free_spin))
 
-    def __reduce__(self) -> Any:
-        # arrays come back from a pickle writeable; a new object protects its own
-        return type(self), (self.position, self.rotation, self.free_spin)
-
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Clamping):
             return NotImplemented

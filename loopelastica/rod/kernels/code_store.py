@@ -181,8 +181,15 @@ def cannot_keep(reason: str) -> None:
     )
 
 
+@functools.cache
+def mark_used(place: Path) -> None:
+    """Have a set of compiled code count as used now, once in a process."""
+    with contextlib.suppress(OSError):
+        os.utime(place)
+
+
 def forget_old(folder: Path) -> None:
-    """Remove the oldest sets of compiled code, which edits and updates leave behind."""
+    """Remove the sets of compiled code unused for longest, which edits and updates leave behind."""
     sets = [path for path in folder.iterdir() if path.is_dir()]
     for path in sorted(sets, key=lambda path: path.stat().st_mtime)[: max(0, len(sets) - _KEPT)]:
         shutil.rmtree(path, ignore_errors=True)

@@ -236,6 +236,7 @@ class _Cache:
                 content = store.read(path)
                 if content is None:
                     continue
+                store.mark_used(folder / key)
                 try:
                     return CompileResult._rebuild(target_context, *pickle.loads(content))
                 except Exception as error:
