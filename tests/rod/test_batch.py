@@ -264,7 +264,7 @@ def test_free_spin_may_be_a_number_and_compiles_nothing_new(rng):
         plain = le.solve_batch(positions, rotations, free_spin=flag)
         rod = le.solve(le.Clamping(positions[0], rotations[0], flag))
         before = signatures()
-        assert before > 10
+        assert before > 0
         for number in (int(flag), np.bool_(flag), np.int64(flag)):
             batch = le.solve_batch(positions, rotations, free_spin=number, lowest=np.bool_(True))
             assert batch.free_spin is flag

@@ -108,6 +108,7 @@ def test_another_version_of_the_package_has_code_of_its_own(package, tmp_path):
     assert compiled_and_value(run(HINGE, tmp_path, package)[0])[0] > 0
 
 
+@pytest.mark.slow
 def test_a_damaged_file_is_made_anew(package, tmp_path):
     _, before = compiled_and_value(run(HINGE, tmp_path, package)[0])
     (file,) = (tmp_path / "cache").rglob("*.bin")

@@ -15,6 +15,9 @@ from loopelastica.rod.kernels.newton import (
 from loopelastica.rod.kernels.records import Status
 from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN, sample, shoot
 
+# kernels that Python does not call otherwise are compiled one by one
+pytestmark = pytest.mark.slow
+
 
 def scratch():
     return np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN), np.empty(WITH_JACOBIAN)
