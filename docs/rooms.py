@@ -22,11 +22,10 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "loopelastica"
 
 ABOUT = {
-    "cli": "commands, progress bars",
+    "cli": "commands, progress",
     "studies": "bench, evaluate",
     "batch": "many files, workers",
     "report": "files, tables, pictures",
-    "nanostructure": "scadnano, oxDNA",
     "atoms": "from line to residues",
     "folding": "structure to candidates",
     "molecule": "nucleotides, stems",
@@ -35,7 +34,9 @@ ABOUT = {
     "_files": "write whole or not",
     "_arrays": "read-only arrays",
     "_checks": "checks of arguments",
+    "_version": "the version",
     "rod.paper": "the printed method",
+    "rod.warm": "compiles now",
     "rod.batch": "many clampings",
     "rod.equilibria": "all of one clamping",
     "rod.solve": "the lowest of one",
@@ -52,7 +53,7 @@ ABOUT = {
     "rod.kernels": "compiled code",
 }
 UNDRAWN = ("__main__",)
-WIDTH, HEIGHT, SIDEWAYS, DOWNWARDS = 2.15, 0.62, 2.5, 1.12
+WIDTH, HEIGHT, SIDEWAYS, DOWNWARDS = 2.4, 0.74, 2.65, 1.24
 INK, PAPER, LINE, UPWARD = "#22313f", "#eef3f8", "#c3ccd5", "#b3541e"
 
 
@@ -148,8 +149,8 @@ def draw_rooms(axes, rows):
             FancyBboxPatch(corner, WIDTH, HEIGHT, boxstyle=style, fc=PAPER, ec=INK, lw=0.9)
         )
         centered = {"ha": "center", "va": "center", "color": INK}
-        axes.text(x, y + 0.11, room, fontsize=10.5, **centered)
-        axes.text(x, y - 0.15, ABOUT.get(room, ""), fontsize=7.5, **centered)
+        axes.text(x, y + 0.15, room, fontsize=10.5, **centered)
+        axes.text(x, y - 0.19, ABOUT.get(room, ""), fontsize=7, **centered)
     half = 0.5 * most * SIDEWAYS + 0.1
     axes.set(xlim=(-half, half), ylim=(-(len(rows) - 1) * DOWNWARDS - 0.5, 0.5), aspect="equal")
     axes.axis("off")
@@ -202,14 +203,14 @@ def draw_matrix(axes, rows):
     for room, k in rank.items():
         name = room.rpartition(".")[2]
         axes.text(k, k, "■", ha="center", va="center", fontsize=8, color=LINE)
-        axes.text(k, -0.8, name, ha="left", va="bottom", rotation=55, fontsize=9, color=INK)
-        axes.text(-0.8, k - 0.17, name, ha="right", va="center", fontsize=10, color=INK)
+        axes.text(k - 0.2, -0.8, name, ha="left", va="bottom", rotation=55, fontsize=9, color=INK)
+        axes.text(-0.8, k - 0.2, name, ha="right", va="center", fontsize=9.5, color=INK)
         about = ABOUT.get(room, "")
-        axes.text(-0.8, k + 0.24, about, ha="right", va="center", fontsize=7, color=INK)
+        axes.text(-0.8, k + 0.27, about, ha="right", va="center", fontsize=6.5, color=INK)
     for a, b in sorted(arrows(rooms)):
         color = INK if rank[b] > rank[a] else UPWARD
         axes.plot(rank[b], rank[a], "o", ms=6, color=color)
-    axes.set(xlim=(-3.9, count + 0.8), ylim=(count - 0.3, -3.2), aspect="equal")
+    axes.set(xlim=(-3.9, count + 0.8), ylim=(count - 0.3, -3.9), aspect="equal")
     axes.axis("off")
 
 
@@ -217,8 +218,8 @@ def main():
     """Write the picture."""
     # the same code gives the same file
     matplotlib.rcParams.update({"svg.hashsalt": PACKAGE, "font.family": "DejaVu Sans"})
-    figure = Figure(figsize=(12.5, 7.2), layout="constrained")
-    left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.05))
+    figure = Figure(figsize=(13.5, 7.2), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
     left.set_title(f"{PACKAGE}: arrows point at what is imported", fontsize=11, color=INK)
     draw_rooms(left, layers(""))
     title = f"{PACKAGE}.rod: the row imports the column"
