@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -67,3 +69,18 @@ def test_the_directors_meet_the_stem_at_both_ends(fold):
     # no more than half a turn from the twist of the helix
     expected = 4 * np.deg2rad(15.7)
     assert abs(line.spin - expected) <= np.pi + 1e-3
+
+
+@pytest.mark.parametrize("turn_deg", [-170, -60, 60, 170])
+def test_of_all_spins_that_meet_the_stem_the_one_nearest_to_the_helix_is_taken(fold, turn_deg):
+    candidate, c, s = fold.candidates[0], *np.array([np.cos, np.sin])
+    c, s = c(np.deg2rad(turn_deg)), s(np.deg2rad(turn_deg))
+    about_its_tangent = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    plain = Line.between(candidate.rod, fold.ends, ideal_strand(False))
+    ends = dataclasses.replace(fold.ends, end_frame=fold.ends.end_frame @ about_its_tangent)
+    line = Line.between(candidate.rod, ends, ideal_strand(False))
+    np.testing.assert_allclose(line.at([4.5])[1][0], ends.start_frame.T @ ends.end_frame, atol=1e-8)
+    turned = np.rad2deg(line.spin - plain.spin) - turn_deg
+    assert turned / 360 == pytest.approx(round(turned / 360), abs=1e-6)
+    # four nucleotides of 15.7° each; the rod itself is free to turn and has no twist
+    assert abs(np.rad2deg(line.spin) - 4 * 15.7) <= 180.5

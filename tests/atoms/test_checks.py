@@ -45,3 +45,51 @@ def test_a_sugar_centre_flattened_below_half_its_volume_is_wrong(koc, fold, mode
         model.molecule, site.geometry, positions, site.around, np.zeros((4, 3)), positions
     )
     assert ("1:C1'" in checks.wrong_chirality) == wrong
+
+
+@pytest.fixture
+def checked(koc, fold, models):
+    """Check positions of the first candidate, beside other atoms than the stem's if need be."""
+    model, site = models[0], site_of(koc, fold, koc.positions(0))
+
+    def check_them(positions, around=site.around):
+        return check(model.molecule, site.geometry, positions, around, np.zeros((4, 3)), positions)
+
+    return check_them
+
+
+def test_a_mirror_image_turns_the_sign_of_chi_and_not_its_name(models, checked):
+    good = models[0].relaxed.positions_A
+    here, there = checked(good), checked(good * [1.0, 1.0, -1.0])
+    np.testing.assert_allclose(here.chi_deg, -np.array(there.chi_deg))
+    assert here.chi == there.chi
+    assert "anti" in here.chi
+
+
+@pytest.mark.parametrize(("distance_A", "clashes"), [(2.75, 1), (2.85, 0)])
+def test_a_carbon_clashes_with_an_atom_of_the_stem_below_2_8_A(
+    models, checked, distance_A, clashes
+):
+    model = models[0]
+    positions = model.relaxed.positions_A
+    loop = model.molecule.loop_atoms
+    # beside C6 of a pyrimidine, where no other atom is near
+    carbon = model.molecule.index(1, "C6")
+    directions = np.random.default_rng(0).normal(size=(500, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    others = positions[[row for row in loop if row != carbon]]
+    places = positions[carbon] + distance_A * directions
+    room = np.linalg.norm(places[:, None] - others, axis=2).min(axis=1)
+    assert room.max() > 3.0
+    far = np.full((1, 3), 1e3)
+    alone = checked(positions, far).clashes_per_1000
+    beside = checked(positions, places[[room.argmax()]]).clashes_per_1000
+    assert (beside - alone) * len(loop) / 1000 == pytest.approx(clashes)
+
+
+def test_atoms_three_bonds_apart_as_across_a_ring_are_no_clash(models, checked):
+    # in a pyrimidine N1 and C4 lie 2.8 Å apart, and the radii add up to 3.25 Å
+    molecule, positions = models[0].molecule, models[0].relaxed.positions_A
+    n1, c4 = (positions[molecule.index(0, name)] for name in ("N1", "C4"))
+    assert np.linalg.norm(n1 - c4) == pytest.approx(2.8, abs=0.1)
+    assert checked(positions, np.full((1, 3), 1e3)).clashes_per_1000 == 0

@@ -19,6 +19,8 @@ def work(task):
         os.kill(os.getpid(), signal.SIGKILL)
     if task == "error":
         raise RuntimeError("inside")
+    if task == "absent":
+        raise FileNotFoundError(2, "No such file or directory", "absent.pdb")
     if task == "refused":
         raise StructureError("A.G1: a sentence")
     return os.getpid()
@@ -43,6 +45,12 @@ def test_here_one_by_one_in_order():
     assert found[2].failure == "A.G1: a sentence"
     with pytest.raises(ValueError, match="jobs"):
         list(outcomes(work, [1], jobs=0))
+
+
+def test_only_what_the_file_itself_is_refused_for_is_final():
+    refused, absent, broken = outcomes(work, ["refused", "absent", "error"])
+    assert (refused.final, absent.final, broken.final) == (True, False, False)
+    assert absent.failure == "absent.pdb: No such file or directory"
 
 
 @pytest.mark.slow

@@ -320,3 +320,27 @@ def test_import_and_help_load_nothing_heavy(arguments):
         code += "runpy.run_module('loopelastica.cli.app', run_name='__main__')"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "HEAVY []" in out.stdout
+
+
+@pytest.mark.parametrize(("most", "there"), [(451, True), (450, False)])
+def test_the_whole_structure_is_written_up_to_a_number_of_atoms(
+    tmp_path, koc_lines, monkeypatch, most, there
+):
+    monkeypatch.setattr("loopelastica.report.pdb.WHOLE_ATOMS", most)
+    assert len(koc_lines) == 451
+    for option, expected in (((), there), (("--whole",), True)):
+        out = tmp_path / str(len(option))
+        result = run("fold", HAIRPIN, "-o", out, "--no-plot", "--first-model", *option)
+        assert result.exit_code == 0, result.output
+        assert (out / "2koc_A6-9" / "whole.pdb").exists() == expected
+
+
+def test_hairpins_says_which_loops_cannot_be_clamped(tmp_path, koc_lines):
+    path = tmp_path / "missing.pdb"
+    gone = {"P", "O5'", "C5'"}
+    kept = [s for s in koc_lines if s[22:26] != "  10" or s[12:16].strip() not in gone]
+    path.write_text("\n".join([*kept, "END", ""]))
+    result = run("hairpins", path)
+    assert result.exit_code == 0
+    sentence = "note: A.G10: no P, O5' and C5' atoms; its stem frame cannot be placed"
+    assert sentence in result.output.splitlines()

@@ -77,3 +77,15 @@ def test_the_command_says_what_error_to_expect_and_that_energy_is_no_confidence(
     assert "1.9 Å (median), 3.6 Å (90 %)" in text
     assert CliRunner().invoke(app, ["scan", "absent.pdb"]).exit_code == 1
     assert CliRunner().invoke(app, ["scan", str(HAIRPIN), "--taper", "2"]).exit_code == 2
+
+
+def test_the_spread_is_that_of_the_lowest_shapes_of_small_extensions(scanned):
+    lowest = {}
+    for c in scanned.candidates:
+        clamp = c.ends.clamp
+        if clamp.stem_extend_5 <= 1 and clamp.stem_extend_3 <= 2:
+            lowest.setdefault(clamp, c.candidate.trace)
+    assert {(c.stem_extend_5, c.stem_extend_3) for c in lowest} >= {(0, 2), (1, 1)}
+    traces = np.array(list(lowest.values()))
+    away = np.linalg.norm(traces - traces.mean(axis=0), axis=2)
+    assert scanned.spread_A == pytest.approx(np.sqrt((away**2).mean()))

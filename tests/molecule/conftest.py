@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
+
+from loopelastica.molecule.hairpins import Hairpins, find_hairpins
+from loopelastica.molecule.nucleotides import Structure, read_structure
 
 ROOT = Path(__file__).parents[2]
 SHARED = ROOT / ".." / "shared" / "hairpins"
@@ -17,6 +21,18 @@ def hairpins_folder() -> Path:
     if not SHARED.is_dir():
         pytest.skip("the folder of real structures, ../shared/hairpins, is not here")
     return SHARED
+
+
+@pytest.fixture(scope="session")
+def structure_of(hairpins_folder: Path) -> Callable[[str], Structure]:
+    """Read a real structure by its file's name, each once for all tests."""
+    return cache(lambda name: read_structure(hairpins_folder / name))
+
+
+@pytest.fixture(scope="session")
+def found_in(structure_of: Callable[[str], Structure]) -> Callable[[str], Hairpins]:
+    """Hairpins of a real structure by its file's name, found once."""
+    return cache(lambda name: find_hairpins(structure_of(name)))
 
 
 @pytest.fixture

@@ -21,6 +21,15 @@ def test_the_rule_leaves_the_rod_most_of_every_loop(n):
     assert 0 < median < nine_tenths
 
 
+@pytest.mark.parametrize(
+    ("n", "extensions"),
+    [(3, (0, 0)), (5, (0, 0)), (6, (0, 1)), (7, (1, 2)), (8, (1, 2)), (9, (1, 3)), (14, (1, 3))],
+)
+def test_the_3_strand_of_longer_rna_loops_goes_on_further_than_the_5_strand(n, extensions):
+    clamp = default_clamp(False, n)
+    assert (clamp.stem_extend_5, clamp.stem_extend_3) == extensions
+
+
 def test_extensions_move_the_ends_along_the_stem_and_shorten_the_rod(koc):
     (hairpin,) = find_hairpins(koc)
     stem = fit_stem(koc.nucleotides, hairpin, koc.positions(0))

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from loopelastica.errors import StructureError
-from loopelastica.molecule.ends import stem_ends
+from loopelastica.molecule.clamp_rule import StemClamp
+from loopelastica.molecule.ends import fit_stem, stem_ends
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import BACKBONE, centroids, read_structure
 from loopelastica.molecule.strands import A_RNA, B_DNA, line_frame, strand_atoms
@@ -158,12 +159,24 @@ def test_dna_stem_whose_outer_nucleotide_lacks_its_phosphate(hairpins_folder):
     assert ends.fit_rms_A.max() < 1.0
 
 
-def test_the_z_stem_is_noticed_and_no_other(hairpins_folder):
+def test_the_z_stem_is_noticed_and_no_other(hairpins_folder, structure_of, found_in):
     for path in sorted(hairpins_folder.glob("*.gz")):
         if path.name.startswith("1s72"):
             continue
-        structure = read_structure(path)
-        for hairpin in find_hairpins(structure):
+        structure = structure_of(path.name)
+        for hairpin in found_in(path.name):
             ends = stem_ends(structure.nucleotides, hairpin, structure.positions(0))
             misfit = 0.0 if ends.stem_rms_A is None else ends.stem_rms_A.max()
             assert (misfit > 1.3) == path.name.startswith("1d16"), (path.name, hairpin.name)
+
+
+@pytest.mark.parametrize("short_A", [-0.1, 0.1])
+def test_a_line_shorter_than_the_way_between_its_ends_is_refused(koc, hairpin, short_A):
+    stem = fit_stem(koc.nucleotides, hairpin, koc.positions(0))
+    distance_A = stem.ends(StemClamp(0, 0, 0.0, 6.0)).distance_A
+    ends = stem.ends(StemClamp(0, 0, 0.0, (distance_A - short_A) / 4))
+    if short_A < 0:
+        assert ends.check_reach("loop") is ends
+    else:
+        with pytest.raises(StructureError, match=r"^loop: the stem ends are 14\.5 Å apart"):
+            ends.check_reach("loop")

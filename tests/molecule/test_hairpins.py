@@ -10,7 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from loopelastica.molecule._loops import _stem_goes_on
 from loopelastica.molecule.hairpins import find_hairpins
+from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.molecule.pairs import canonical_pairs, dot_bracket
 
 # What differs from the annotator (RNApolis), hairpin by hairpin: closing pair → reason.
@@ -79,6 +81,49 @@ def test_opened_closing_pair_counts_next_to_a_sound_one_only(koc):
     assert [4, 9] not in canonical_pairs(table, positions).tolist()
 
 
+@pytest.mark.parametrize(("gone", "counts"), [(("7",), True), (("7", "8"), False)])
+def test_an_opened_pair_leaves_three_nucleotides_to_its_loop(pdb, koc_lines, gone, counts):
+    structure = read_structure(pdb([s for s in koc_lines if s[22:26].strip() not in gone]))
+    table, positions = structure.nucleotides, structure.positions(0).copy()
+    last = 9 - len(gone)
+    ring = table.columns(("N1", "C2", "N3", "C4", "C5", "C6"))[4]
+    apart = positions[ring[2]] - positions[table.columns(("N1",))[last, 0]]
+    positions[ring] += apart * (4.2 / np.linalg.norm(apart) - 1.0)
+    assert ([4, last] in canonical_pairs(table, positions).tolist()) == counts
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "distance_A", "goes_on"),
+    [(1, 1, 12.4, True), (1, 2, 12.4, True), (2, 1, 12.4, True), (2, 2, 12.4, False)]
+    + [(1, 1, 12.6, False), (2, 1, 12.6, False)],
+)
+def test_a_stem_goes_on_past_one_bulge_on_either_strand(before, after, distance_A, goes_on):
+    # nucleotides 4 and 8 pair, all others are far from each other
+    c1 = 100.0 * np.arange(13)[:, None] * np.eye(3)[0]
+    c1[8 + after] = c1[4 - before] + [0.0, distance_A, 0.0]
+    assert _stem_goes_on(c1, np.ones(12, dtype=bool), 4, 8) == goes_on
+    broken = np.ones(12, dtype=bool)
+    broken[3] = False
+    assert not _stem_goes_on(c1, broken, 4, 8)
+
+
+@pytest.mark.parametrize(("max_loop", "told"), [(3, 0), (4, 1)])
+def test_an_incomplete_loop_is_told_up_to_the_longest_one(pdb, koc_lines, max_loop, told):
+    found = find_hairpins(pdb([s for s in koc_lines if int(s[22:26]) != 7]), max_loop=max_loop)
+    assert len(found.remarks) == told
+    assert all("1 of its 4 loop nucleotides" in remark for remark in found.remarks)
+
+
+@pytest.mark.parametrize(
+    ("deoxy", "is_dna"), [((1, 2, 3, 4, 5), False), ((1, 2, 3, 4, 5, 10), True)]
+)
+def test_a_hybrid_stem_is_an_a_helix(pdb, koc_lines, deoxy, is_dna):
+    lines = [s for s in koc_lines if s[12:16] != " O2'" or int(s[22:26]) not in deoxy]
+    (hairpin,) = find_hairpins(pdb(lines))
+    assert hairpin.n_pairs == 5
+    assert hairpin.is_dna == is_dna
+
+
 def test_no_hairpin_over_a_gap_in_the_chain(pdb, koc_lines):
     lines = [line for line in koc_lines if int(line[22:26]) != 7]
     assert find_hairpins(pdb(lines)) == []
@@ -118,28 +163,28 @@ def test_dot_bracket_tells_crossing_pairs_apart(koc):
     assert dot_bracket(8, np.array([[0, 4], [2, 6]])) == "(.[.).]."
 
 
-def test_agreement_with_an_independent_annotator(hairpins_folder):
+def test_agreement_with_an_independent_annotator(hairpins_folder, found_in):
     expected = json.loads((hairpins_folder / "expected.json").read_text())
-    files = {path.name.split(".")[0]: path for path in hairpins_folder.glob("*.gz")}
+    files = {path.name.split(".")[0]: path.name for path in hairpins_folder.glob("*.gz")}
     differing = {}
     for entry, theirs in expected.items():
-        ours = {(h.closing_pair, h.sequence) for h in find_hairpins(files[entry])}
+        ours = {(h.closing_pair, h.sequence) for h in found_in(files[entry])}
         expected = {(tuple(h["closing"]), h["sequence"]) for h in theirs}
         if ours != expected:
             differing[entry] = {closing for closing, _ in ours ^ expected}
     assert differing == {entry: set(reasons) for entry, reasons in DIFFERENCES.items()}
 
 
-def test_kissing_loops_list_their_contacts(hairpins_folder):
-    first, second = find_hairpins(hairpins_folder / "1y26.pdb.gz")
+def test_kissing_loops_list_their_contacts(found_in):
+    first, second = found_in("1y26.pdb.gz")
     assert first.contacts == (("X.G37", "X.C61"), ("X.G38", "X.C60"))
     assert second.contacts == (("X.C60", "X.G38"), ("X.C61", "X.G37"))
     assert (first.kissing, second.kissing) == (("X60-66",), ("X31-39",))
 
 
-def test_what_is_left_out_or_kisses_is_told_once(hairpins_folder):
+def test_what_is_left_out_or_kisses_is_told_once(found_in):
     def remarks(entry):
-        return find_hairpins(hairpins_folder / f"{entry}.pdb.gz").remarks
+        return found_in(f"{entry}.pdb.gz").remarks
 
     assert [r.split(":")[0] for r in remarks("1rnk")] == ["A.C5–A.G15", "A.U13–A.G28"]
     assert all("pseudoknot" in r for r in remarks("1rnk"))
@@ -148,28 +193,28 @@ def test_what_is_left_out_or_kisses_is_told_once(hairpins_folder):
     assert remarks("2koc") == ()
 
 
-def test_no_file_raises_and_every_loop_left_out_has_its_sentence(hairpins_folder):
+def test_no_file_raises_and_every_loop_left_out_has_its_sentence(hairpins_folder, found_in):
     expected = json.loads((hairpins_folder / "expected.json").read_text())
     for path in sorted(hairpins_folder.glob("*.gz")):
-        found = find_hairpins(path)
+        found = found_in(path.name)
         pairs = {h.closing_pair for h in found}
         for loop in expected.get(path.name.split(".")[0], ()):
             if tuple(loop["closing"]) not in pairs and path.name[:4] != "1hlx":
                 assert any(r.startswith("–".join(loop["closing"])) for r in found.remarks), path
 
 
-def test_a_pseudoknot_has_no_simple_hairpin(hairpins_folder):
-    assert find_hairpins(hairpins_folder / "1rnk.pdb.gz") == []
+def test_a_pseudoknot_has_no_simple_hairpin(found_in):
+    assert found_in("1rnk.pdb.gz") == []
 
 
-def test_isolated_pairs_close_a_loop_where_the_stem_goes_on(hairpins_folder):
+def test_isolated_pairs_close_a_loop_where_the_stem_goes_on(found_in):
     for entry in ("430d", "1msy", "1aqo"):
-        (hairpin,) = find_hairpins(hairpins_folder / f"{entry}.pdb.gz")
+        (hairpin,) = found_in(f"{entry}.pdb.gz")
         assert hairpin.n_pairs == 1
 
 
-def test_the_ribosome(hairpins_folder):
-    found = find_hairpins(hairpins_folder / "1s72.pdb.gz")
+def test_the_ribosome(found_in):
+    found = found_in("1s72.pdb.gz")
     # An earlier study of this file counted 51 loops of 3-9 nucleotides on two pairs or more.
     assert sum(h.n_pairs > 1 and len(h) < 10 for h in found) == 51
     assert len(found) == 59

@@ -129,14 +129,18 @@ def test_the_fuller_altloc_counts_and_the_first_among_equals(pdb, koc_lines, a, 
     assert p[5, 0, 0] == pytest.approx(x)
 
 
-def test_two_residues_at_one_place_are_one_nucleotide(pdb, koc_lines):
+@pytest.mark.parametrize(
+    ("first", "second", "label"),
+    [(0.3, 0.7, "A.5BU6"), (0.7, 0.3, "A.U6"), (0.5, 0.5, "A.U6")],
+)
+def test_two_residues_at_one_place_are_one_nucleotide(pdb, koc_lines, first, second, label):
     sixth = [line for line in koc_lines if int(line[22:26]) == 6]
     lines = []
     for line in koc_lines:
         if int(line[22:26]) != 6:
             lines.append(line)
         elif line == sixth[0]:
-            for altloc, resname, occupancy in (("A", "  U", 0.3), ("B", "5BU", 0.7)):
+            for altloc, resname, occupancy in (("A", "  U", first), ("B", "5BU", second)):
                 lines += [
                     f"{atom[:16]}{altloc}{resname}{atom[20:54]}{occupancy:6.2f}{atom[60:]}"
                     for atom in sixth
@@ -144,7 +148,7 @@ def test_two_residues_at_one_place_are_one_nucleotide(pdb, koc_lines):
     structure = read_structure(pdb(lines))
     table = structure.nucleotides
     assert len(table) == 14
-    assert table.label(5) == "A.5BU6"
+    assert table.label(5) == label
     assert linked(table, structure.positions(0)).all()
 
 

@@ -6,7 +6,8 @@ import pytest
 from rdkit import Chem
 
 from loopelastica._files import data_path
-from loopelastica.report.atoms import write_atoms
+from loopelastica.molecule.nucleotides import read_structure
+from loopelastica.report.atoms import LoopAtoms, write_atoms, write_pdb
 
 
 @pytest.fixture(scope="module")
@@ -115,3 +116,19 @@ def test_two_runs_write_the_same_bytes(folder, atoms, tmp_path):
     assert names == sorted(path.name for path in tmp_path.iterdir())
     for name in names:
         assert (folder / name).read_bytes() == (tmp_path / name).read_bytes()
+
+
+@pytest.mark.parametrize(("distance_A", "stays"), [(2.9, False), (3.1, True)])
+def test_water_within_3_A_of_the_loop_gives_way(atoms, koc_lines, tmp_path, distance_A, stays):
+    (model,) = atoms.written[:1]
+    loop = model.positions_A[model.molecule.loop_atoms]
+    away = loop - loop.mean(axis=0)
+    out = int(np.argmax(np.linalg.norm(away, axis=1)))
+    place = loop[out] + distance_A * away[out] / np.linalg.norm(away[out])
+    x, y, z = place
+    path = tmp_path / "wet.pdb"
+    water = f"HETATM  900  O   HOH A 101    {x:8.3f}{y:8.3f}{z:8.3f}  1.00  0.00           O"
+    path.write_text("\n".join([*koc_lines, water, "END", ""]))
+    wet = read_structure(path)
+    write_pdb(tmp_path / "atoms.pdb", LoopAtoms(wet, atoms.fold, (model,), wet.positions(0)))
+    assert ("HOH" in (tmp_path / "atoms.pdb").read_text()) == stays

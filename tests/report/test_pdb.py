@@ -10,7 +10,7 @@ import pytest
 import loopelastica as le
 from loopelastica._files import data_path
 from loopelastica.molecule.nucleotides import read_structure
-from loopelastica.report.pdb import WholeStructure, one_letter_chains
+from loopelastica.report.pdb import WholeStructure, bond_records, one_letter_chains
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
 
@@ -172,3 +172,8 @@ def test_a_universe_is_written_at_its_frame(tmp_path, koc_lines):
     assert len(points) == 4
     expected = [s for s in koc_lines if int(s[22:26]) not in (6, 7, 8, 9)]
     assert [s[12:54] for s in rest] == [s[12:54] for s in expected]
+
+
+def test_points_are_joined_up_to_the_last_serial_number_of_the_format():
+    assert bond_records(99_997, 3) == ["CONECT9999799998", "CONECT9999899999"]
+    assert bond_records(99_998, 3) == []

@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 
+import loopelastica as le
 from loopelastica.report.records import line, ranking, rmsd_summary
 
 
@@ -40,3 +41,11 @@ def test_the_dense_line_runs_from_end_to_end(fold):
     )
     assert dense["s"].tolist() == pytest.approx(np.linspace(0.0, 24.0, 7))
     assert {name: len(values) for name, values in dense.items()} == dict.fromkeys(dense, 7)
+
+
+def test_the_twist_of_the_dense_line_is_the_twisting_moment_over_K3(koc):
+    (loop,) = le.fold(koc, free_spin=False, torsion_ratio=0.5, all_models=False, max_candidates=1)
+    rod = loop.candidates[0].rod
+    assert abs(rod.loads[5]) > 0.01
+    expected = np.full(5, rod.loads[5] / 0.5 / loop.length_A)
+    np.testing.assert_allclose(line(loop, loop.candidates[0], 5)["twist"], expected)

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from loopelastica._files import data_path
-from loopelastica.report.viewers import path_from
+from loopelastica.report.viewers import path_from, write_chimerax
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
 
@@ -38,3 +38,9 @@ def test_scripts_escape_negative_numbers(tmp_path, written, koc_lines):
 def test_paths_hold_when_both_ends_are_moved(tmp_path):
     (tmp_path / "a").mkdir()
     assert path_from(tmp_path / "out" / "x", tmp_path / "a" / "b.pdb") == "../../a/b.pdb"
+
+
+@pytest.mark.parametrize(("n_models", "native"), [(1, "#2/A:6,7,8,9"), (2, "#2.1/A:6,7,8,9")])
+def test_chimerax_numbers_the_models_of_a_file_that_has_several(tmp_path, fold, n_models, native):
+    write_chimerax(tmp_path / "view.cxc", fold, "native.pdb", "A", n_models)
+    assert f"show {native} atoms" in (tmp_path / "view.cxc").read_text()

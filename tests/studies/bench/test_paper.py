@@ -113,6 +113,7 @@ def test_bad_arguments_are_named(tmp_path):
         bench.run(tmp_path, figures=(6,))
 
 
+@pytest.mark.slow
 def test_every_row_has_its_iterations(tmp_path):
     rows = bench.run(tmp_path / "out", sample=8, figures=(3,), progress=False)
     assert np.isfinite([row["iterations"] for row in rows]).all()
