@@ -1,7 +1,8 @@
 """Compile now what would be compiled at first use: ``python -m loopelastica.rod.warm``.
 
-Small problems are solved that come to every kernel; a test sees to it that none is left out. They
-need NumPy and numba alone, so that this runs where the package is built.
+Small problems are solved that come to every kernel but those of the printed method; a test sees to
+it that none is left out. They need NumPy and numba alone, so that this runs where the package is
+built.
 """
 
 import gc
@@ -19,7 +20,7 @@ from loopelastica.rod.stability import assess, conjugate_points
 
 # a slack rod, one in boundary layers, one whose layers reach each other, and one in line
 _SLACK = (-0.4, -0.1, 0.5, 4.8, 1.4, 2.2)
-_TENSE = (0.2, 0.1, 0.97, 0.3, 0.8, 0.4)
+_TENSE = (0.2, 0.1, 0.974, 0.3, 0.8, 0.4)
 _TOUCHING = (0.1, 0.1, 0.9, 0.3, 0.8, 0.4)
 _IN_LINE = (0.0, 0.0, 0.8, 0.0, 0.0, 1.0)
 
@@ -43,7 +44,7 @@ def compile_paths() -> None:
     free = solve(Clamping.from_parameters(_SLACK, free_spin=True))
     continue_clamping(free, Clamping.from_parameters(_TOUCHING, free_spin=True))
     tense = solve(Clamping.from_parameters(_TENSE))
-    continue_clamping(tense, Clamping.from_parameters((0.2, 0.1, 0.9747, 0.3, 0.8, 0.4)))
+    continue_clamping(tense, Clamping.from_parameters((0.2, 0.1, 0.9743, 0.3, 0.8, 0.4)))
     assert rod.physical is not None
     rod.physical.clamping()
     rod.physical.loads()

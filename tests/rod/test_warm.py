@@ -24,7 +24,9 @@ with event.install_recorder("numba:compile") as compiled:
         for lowest in (False, True):
             batch = le.solve_batch(places, frames, 0.7, free_spin, lowest=lowest)
             assert batch.converged.all()
-            batch[3].frames(5)
+            assert any(len(rod.layers) for rod in batch)
+            for rod in batch:
+                rod.frames(5)
     for k in range(4):
         clamping = le.Clamping(places[k], frames[k], free_spin=k % 2)
         rods = le.equilibria(clamping, rounds=1)

@@ -59,7 +59,7 @@ class _Announcer(event.Listener):  # type: ignore[misc]
         # a warning is seen without configuring any logging
         _LOG.warning(
             "compiling the solver for this machine, up to a minute; the result %s kept for later"
-            " runs (`loopelastica warm` compiles everything beforehand)",
+            " runs (`loopelastica warm` compiles beforehand)",
             kept,
         )
 
