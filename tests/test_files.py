@@ -3,9 +3,11 @@
 import json
 import os
 import stat
+from pathlib import Path
 
 import pytest
 
+import loopelastica
 from loopelastica._files import whole_file, whole_folder, write_csv, write_json
 
 
@@ -53,3 +55,9 @@ def test_tables_have_the_columns_of_their_first_row_or_those_given(tmp_path):
     assert (tmp_path / "t.csv").read_bytes() == b"a,b\n"
     with pytest.raises(ValueError, match="c"):
         write_csv(tmp_path / "t.csv", [*rows, {"a": 1, "b": 2, "c": 3}])
+
+
+def test_the_citation_names_this_version():
+    root = Path(__file__).resolve().parents[1]
+    cited = [line for line in (root / "CITATION.cff").read_text().splitlines() if "version" in line]
+    assert f"version: {loopelastica.__version__}" in cited

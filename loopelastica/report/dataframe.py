@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from loopelastica.errors import MissingDependencyError
 from loopelastica.folding.result import LoopFold
@@ -13,10 +13,14 @@ from loopelastica.report.records import candidate_row, loop_row
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from loopelastica.folding.trajectory import LoopElastica
+
+class _Records(Protocol):
+    """What an analysis that ran has: a record per frame and loop."""
+
+    def records(self) -> Iterator[dict[str, Any]]: ...
 
 
-def to_dataframe(results: Iterable[LoopFold] | LoopElastica) -> DataFrame:
+def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     """Folded loops as a pandas table, or an analysis that ran.
 
     Parameters

@@ -48,7 +48,7 @@ def _rotation_zyz(psi: float, theta: float, phi: float) -> Array:
     return rotation
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Clamping(Record):
     """Relative pose of the two ends of a rod of unit length.
 
@@ -87,6 +87,11 @@ class Clamping(Record):
         object.__setattr__(self, "position", read_only(position))
         object.__setattr__(self, "rotation", read_only(rotation))
         object.__setattr__(self, "free_spin", bool(self.free_spin))
+
+    def __repr__(self) -> str:
+        parameters = ", ".join(f"{value:.6g}" for value in self.parameters)
+        free = ", free_spin=True" if self.free_spin else ""
+        return f"Clamping.from_parameters([{parameters}]{free})"
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Clamping):

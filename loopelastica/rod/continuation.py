@@ -52,7 +52,7 @@ _SMALL = 0.2
 _SLACK = 100.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Path(Record):
     """A branch of equilibria along a moving clamping.
 
@@ -85,6 +85,9 @@ class Path(Record):
     def __post_init__(self) -> None:
         for name in ("parameter", "folds", "stability_lost"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    def __repr__(self) -> str:
+        return f"<Path: {len(self.rods)} rods, {len(self.folds)} folds; {self.message}>"
 
     @property
     def converged(self) -> bool:

@@ -137,3 +137,10 @@ def test_an_end_on_the_line_of_both_tangents_is_seen():
     assert not Clamping.from_parameters([0, 0, 0.5, 2.0, np.pi, 0]).on_one_line
     assert not Clamping.from_parameters([1e-8, 0, 0.5, 2.0, 0, 0]).on_one_line
     assert not Clamping.from_parameters([0, 0, 0.5, 2.0, 1e-8, 0]).on_one_line
+
+
+def test_a_clamping_shows_itself_as_it_can_be_written():
+    clamping = Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2], free_spin=True)
+    assert repr(clamping) == (
+        "Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2], free_spin=True)"
+    )
