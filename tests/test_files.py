@@ -6,7 +6,7 @@ import stat
 
 import pytest
 
-from loopelastica._files import whole_file, whole_folder, write_csv, write_json
+from loopelastica._files import sha256, whole_file, whole_folder, write_csv, write_json
 
 
 def fail_half_way(whole, path):
@@ -53,3 +53,17 @@ def test_tables_have_the_columns_of_their_first_row_or_those_given(tmp_path):
     assert (tmp_path / "t.csv").read_bytes() == b"a,b\n"
     with pytest.raises(ValueError, match="c"):
         write_csv(tmp_path / "t.csv", [*rows, {"a": 1, "b": 2, "c": 3}])
+
+
+def test_a_folder_that_is_written_again_holds_the_new_files_only(tmp_path):
+    for name in ("former", "new"):
+        with whole_folder(tmp_path / "loop") as part:
+            (part / name).write_text(name)
+    assert [p.name for p in tmp_path.iterdir()] == ["loop"]
+    assert [p.name for p in (tmp_path / "loop").iterdir()] == ["new"]
+
+
+def test_the_digest_is_the_published_one_of_abc(tmp_path):
+    (tmp_path / "abc").write_bytes(b"abc")
+    expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    assert sha256(tmp_path / "abc") == expected
