@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 import loopelastica as le
 from loopelastica.cli.app import app
-from loopelastica.studies.evaluation.loops import EXTENSIONS, TAPERS
+from loopelastica.studies.evaluation import loops, refit
 from loopelastica.studies.evaluation.scoreboard import (
     _median_90,
     add_comparisons,
@@ -18,6 +18,15 @@ from loopelastica.studies.evaluation.scoreboard import (
 )
 
 ENTRIES = ("1bjh", "1kr8", "2l5k", "1szy", "1k2g")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_tapers():
+    """Two of the seven tapers among which the constants are refitted."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (loops, refit):
+            patch.setattr(module, "TAPERS", (0.0, 0.2))
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +112,7 @@ def test_a_folder_without_structures_is_refused(tmp_path):
 
 
 def test_the_mean_loop_is_that_of_other_families_of_the_same_kind_and_length():
-    grid = [[1.0] * len(EXTENSIONS)] * len(TAPERS)
+    grid = [[1.0] * len(loops.EXTENSIONS)] * len(loops.TAPERS)
     rows = [
         {
             "simple": True, "kind": kind, "family": family, "nucleotides": n, "loop": str(k),
