@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import loopelastica
-from loopelastica._files import whole_file, whole_folder, write_csv, write_json
+from loopelastica._files import sha256, whole_file, whole_folder, write_csv, write_json
 
 
 def fail_half_way(whole, path):
@@ -61,3 +61,17 @@ def test_the_citation_names_this_version():
     root = Path(__file__).resolve().parents[1]
     cited = [line for line in (root / "CITATION.cff").read_text().splitlines() if "version" in line]
     assert f"version: {loopelastica.__version__}" in cited
+
+
+def test_a_folder_that_is_written_again_holds_the_new_files_only(tmp_path):
+    for name in ("former", "new"):
+        with whole_folder(tmp_path / "loop") as part:
+            (part / name).write_text(name)
+    assert [p.name for p in tmp_path.iterdir()] == ["loop"]
+    assert [p.name for p in (tmp_path / "loop").iterdir()] == ["new"]
+
+
+def test_the_digest_is_the_published_one_of_abc(tmp_path):
+    (tmp_path / "abc").write_bytes(b"abc")
+    expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    assert sha256(tmp_path / "abc") == expected

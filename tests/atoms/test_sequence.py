@@ -51,10 +51,10 @@ def run(*arguments):
 
 
 def test_build_writes_a_hairpin_from_its_sequence(tmp_path):
-    result = run("build", "GGC(GAA)GCC", "--dna", "-o", tmp_path, "--candidates", 1)
+    result = run("build", "GGC(TTTT)GCC", "--dna", "-o", tmp_path, "--candidates", 1)
     assert result.exit_code == 0, result.output
     (folder,) = tmp_path.iterdir()
-    assert folder.name == "GGCGAAGCC_A4-6"
+    assert folder.name == "GGCTTTTGCC_A4-7"
     names = {path.name for path in folder.iterdir()}
     assert {"atoms.pdb", "loop.sdf", "atoms.json", "traces.pdb", "plot.png"} <= names
     with (folder / "ranking.csv").open() as file:

@@ -96,3 +96,9 @@ def test_the_keywords_are_seen_in_signature_and_docstring():
         assert name not in names
         assert f"    {name} : " in le.fold.__doc__
         assert f"    {name} : " not in le.LoopElastica.__doc__
+
+
+def test_the_bounds_themselves_are_allowed():
+    assert [FoldOptions(taper=taper).taper for taper in (0, 0.3)] == [0.0, 0.3]
+    assert ScanOptions(tapers=[0.0, 0.3]).tapers == (0.0, 0.3)
+    assert FoldOptions(max_candidates=1, stem_extend_5=0).max_candidates == 1

@@ -25,3 +25,15 @@ def test_the_line_begins_half_a_nucleotide_beyond_the_stem(koc, phase, seen, ext
     last = ends.end_origin_A[None], np.array([len(hairpin) + 0.5 + 2.0 + 0.5 - phase])
     (candidate,) = rank([rod], ends, 10.0, last, None)
     assert (candidate.contacts.stem_A < 1e-6) == seen
+
+
+@pytest.mark.parametrize(("away", "seen"), [(1.9, False), (2.0, True)])
+def test_nucleotides_that_continue_the_stem_lie_at_whole_places_of_the_chain(koc, away, seen):
+    (hairpin,) = find_hairpins(koc)
+    ends = stem_ends(koc.nucleotides, hairpin, koc.positions(0), StemClamp(1, 1, 0.0, 9.0))
+    rod = le.solve(clamping_of(ends, free_spin=True))
+    first = ends.continued_5_A[:1], np.array([1.0 - away])
+    last = ends.continued_3_A[:1], np.array([4.0 + away])
+    for atom in (first, last):
+        (candidate,) = rank([rod], ends, 10.0, atom, None)
+        assert (candidate.contacts.stem_A < 1e-9) == seen

@@ -78,9 +78,9 @@ class PaperSolver:
     Examples
     --------
     >>> from loopelastica import Clamping
-    >>> found = PaperSolver(l=2, delta=1).solve(
+    >>> found = PaperSolver(l=2, delta=1).solve(  # doctest: +SKIP
     ...     Clamping.from_parameters([0.3, 0.2, 0.5, 1.0, 0.8, 5.5]))
-    >>> print(found.converged, found.residual < 1e-7)
+    >>> print(found.converged, found.residual < 1e-7)  # doctest: +SKIP
     True True
     """
 
@@ -244,8 +244,8 @@ def solve_paper(
 
     Examples
     --------
-    >>> found = solve_paper([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2], l=2, delta=1)
-    >>> print(found.converged)
+    >>> found = solve_paper([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2], l=2, delta=1)  # doctest: +SKIP
+    >>> print(found.converged)  # doctest: +SKIP
     True
     """
     if not isinstance(clamping, Clamping):

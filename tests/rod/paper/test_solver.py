@@ -1,5 +1,6 @@
 """The printed solver: its symmetries, its printed numbers."""
 
+import doctest
 import math
 
 import numpy as np
@@ -9,6 +10,7 @@ from paper_rods import FIG_6, FIG_6_SECOND, end, matrix, rod, turned_loads
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.paper import ERRORS, PaperSolver, continue_angle, solve_paper
 from loopelastica.rod.paper import errors as kernels
+from loopelastica.rod.paper import solver as solver_module
 from loopelastica.rod.parameters import PhysicalParameters
 
 # the printed method is compiled for its tests alone
@@ -154,3 +156,14 @@ def test_failure_is_a_value():
     assert np.isfinite(found.loads).all()
     with pytest.raises(ValueError, match="net winding"):
         found.net_winding  # noqa: B018
+
+
+def test_the_examples_that_quick_tests_skip_are_true():
+    ran = 0
+    for example in doctest.DocTestFinder().find(solver_module):
+        for line in example.examples:
+            line.options.pop(doctest.SKIP, None)
+        found = doctest.DocTestRunner().run(example)
+        assert found.failed == 0
+        ran += found.attempted
+    assert ran == 5

@@ -1,8 +1,10 @@
 """The stress report: every case is run, and what is written can be read."""
 
 import csv
+import dataclasses
 import json
 
+import numpy as np
 import pytest
 
 import loopelastica as le
@@ -70,3 +72,18 @@ def test_a_pose_that_is_no_number_is_null_in_the_file(tmp_path, monkeypatch):
     kept = json.loads((tmp_path / "failures.json").read_text(), parse_constant=pytest.fail)
     assert kept[0]["position"][1] is None
     assert bench.run(tmp_path, progress=False) == [row]
+
+
+@pytest.mark.parametrize(("residual", "right"), [(1e-10, 4), (1e-8, 0)])
+def test_a_rod_that_misses_its_end_is_not_right(tmp_path, monkeypatch, residual, right):
+    case = next(case for case in bench.all_cases() if case.name == "straight")
+    solved = bench.solve_batch
+
+    def with_residual(*args, **options):
+        batch = solved(*args, **options)
+        return dataclasses.replace(batch, residual=np.full(len(batch), residual))
+
+    monkeypatch.setattr(bench, "all_cases", lambda: [case])
+    monkeypatch.setattr(bench, "solve_batch", with_residual)
+    (row,) = bench.run(tmp_path, progress=False)
+    assert row["right"] == right

@@ -8,9 +8,25 @@ from typer.testing import CliRunner
 
 import loopelastica as le
 from loopelastica.cli.app import app
-from loopelastica.studies.evaluation.scoreboard import evaluate, groups, scoreboard
+from loopelastica.studies.evaluation import loops, refit
+from loopelastica.studies.evaluation.scoreboard import (
+    _median_90,
+    add_comparisons,
+    evaluate,
+    groups,
+    scoreboard,
+)
 
 ENTRIES = ("1bjh", "1kr8", "2l5k", "1szy", "1k2g")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_tapers():
+    """Two of the seven tapers among which the constants are refitted."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (loops, refit):
+            patch.setattr(module, "TAPERS", (0.0, 0.2))
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -93,3 +109,30 @@ def test_a_folder_without_structures_is_refused(tmp_path):
     with pytest.raises(ValueError, match="holds no PDB or mmCIF"):
         evaluate(tmp_path, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_the_mean_loop_is_that_of_other_families_of_the_same_kind_and_length():
+    grid = [[1.0] * len(loops.EXTENSIONS)] * len(loops.TAPERS)
+    rows = [
+        {
+            "simple": True, "kind": kind, "family": family, "nucleotides": n, "loop": str(k),
+            "native": [[x, 0.0, 0.0]] * n, "grid": grid,
+        }
+        for k, (kind, family, n, x) in enumerate(
+            [
+                ("RNA", "a", 4, 0.0), ("RNA", "a", 4, 50.0), ("RNA", "b", 4, 2.0),
+                ("RNA", "c", 4, 6.0), ("DNA", "d", 4, 80.0), ("RNA", "e", 5, 90.0),
+            ]
+        )
+    ]  # fmt: skip
+    add_comparisons(rows)
+    found = [row["mean_loop_A"] for row in rows]
+    # of b and c: 4; of a, a and c: 56/3; of a, a and b: 52/3
+    assert found[:4] == pytest.approx([4.0, 46.0, 56 / 3 - 2, 52 / 3 - 6])
+    assert found[4:] == [None, None]
+
+
+def test_a_cell_holds_median_and_ninetieth_percentile_of_what_there_is():
+    assert _median_90(list(range(11))) == "5.00 / 9.00"
+    assert _median_90([2.0, None]) == "2.00 / 2.00 (1)"
+    assert _median_90([None]) == "–"
