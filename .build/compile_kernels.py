@@ -28,7 +28,7 @@ class CompiledKernels(BuildHookInterface):
         # the kernels' own module says for which processor
         sys.path.insert(0, str(root))
         try:
-            from loopelastica.rod.kernels.code_store import portable_environment
+            from loopelastica.rod.kernels.portable import portable_environment
 
             environment = {
                 **os.environ,

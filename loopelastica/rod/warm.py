@@ -14,7 +14,8 @@ from pathlib import Path
 
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.continuation import continue_clamping, twist_end
-from loopelastica.rod.kernels.code_store import portable_environment, shipped_folder, user_folder
+from loopelastica.rod.kernels.code_store import shipped_folder, user_folder
+from loopelastica.rod.kernels.portable import portable_environment
 from loopelastica.rod.solve import solve
 from loopelastica.rod.stability import assess, conjugate_points
 

@@ -8,7 +8,7 @@ Two folders are searched:
 - one inside the package, filled when the wheel is built and never needed to be written to;
 - the user's: ``$LOOPELASTICA_CACHE``, else ``loopelastica`` in the user's folder of caches.
 
-In both, code for any processor of an architecture (`PORTABLE`) stands beside code for this one.
+In both, code for any processor of an architecture (``portable``) stands beside code for this one.
 What is found in neither is compiled, and kept in the user's folder if that can be written. A file
 is read only if its checksum is right; another is made anew.
 """
@@ -18,7 +18,6 @@ import functools
 import hashlib
 import logging
 import os
-import platform
 import shutil
 import sys
 import sysconfig
@@ -33,15 +32,9 @@ from numba.core import config
 
 from loopelastica._files import whole_file
 from loopelastica._version import __version__
+from loopelastica.rod.kernels.portable import portable_processor
 
 _LOG = logging.getLogger("loopelastica")
-
-# a processor that every one of its architecture can stand for, and what it needs
-PORTABLE = {
-    "x86_64": ("x86-64-v2", ("sse3", "ssse3", "sse4.1", "sse4.2", "popcnt", "cx16")),
-    "aarch64": ("generic", ()),
-}
-_SYNONYMS = {"amd64": "x86_64", "arm64": "aarch64"}
 
 # sets of compiled code kept in the user's folder
 _KEPT = 8
@@ -92,22 +85,11 @@ def key(folder: Path) -> str:
     return digest.hexdigest()[:20]
 
 
-def _portable() -> tuple[str, tuple[str, ...]]:
-    architecture = platform.machine().lower()
-    return PORTABLE.get(_SYNONYMS.get(architecture, architecture), ("", ()))
-
-
-def portable_environment() -> dict[str, str]:
-    """Environment variables that have code compiled for any processor of this architecture."""
-    name, _ = _portable()
-    return {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": ""} if name else {}
-
-
 @functools.cache
 def processor() -> str:
     """Name of the processor that is compiled for."""
     name, features = config.CPU_NAME, config.CPU_FEATURES
-    if (name, features) == (_portable()[0], ""):
+    if (name, features) == (portable_processor()[0], ""):
         return str(name)
     if name is None:
         name = llvm.get_host_cpu_name()
@@ -119,7 +101,7 @@ def processor() -> str:
 @functools.cache
 def processors() -> tuple[str, ...]:
     """Names of the processors whose code runs here, the best first."""
-    portable, needed = _portable()
+    portable, needed = portable_processor()
     here = llvm.get_host_cpu_features()
     runs = bool(portable) and all(here.get(feature, False) for feature in needed)
     return tuple(dict.fromkeys((processor(), portable) if runs else (processor(),)))

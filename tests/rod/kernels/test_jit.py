@@ -9,7 +9,7 @@ import numba
 import pytest
 
 import loopelastica
-from loopelastica.rod.kernels import code_store, jit
+from loopelastica.rod.kernels import jit, portable
 from loopelastica.rod.kernels.jit import kernel
 
 ROOT = Path(loopelastica.__file__).resolve().parents[1]
@@ -135,7 +135,7 @@ def test_where_nothing_can_be_written_code_stays_in_memory_and_that_is_said_once
 
 @pytest.mark.slow
 def test_shipped_code_is_read_where_nothing_can_be_written(package, tmp_path):
-    run(HINGE, tmp_path, package, **code_store.portable_environment())
+    run(HINGE, tmp_path, package, **portable.portable_environment())
     shutil.copytree(tmp_path / "cache", package / "loopelastica" / "_compiled")
     (tmp_path / "file").touch()
     stdout, stderr = run(
@@ -147,10 +147,10 @@ def test_shipped_code_is_read_where_nothing_can_be_written(package, tmp_path):
 
 @pytest.mark.slow
 def test_portable_code_runs_on_other_processors(package, tmp_path):
-    if not code_store.portable_environment():
+    if not portable.portable_environment():
         pytest.skip("no portable processor is known for this architecture")
     _, before = compiled_and_value(
-        run(HINGE, tmp_path, package, **code_store.portable_environment())[0]
+        run(HINGE, tmp_path, package, **portable.portable_environment())[0]
     )
     # a processor of another name and other features than the code was compiled for
     other = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
