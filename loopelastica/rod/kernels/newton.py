@@ -47,6 +47,8 @@ _SURE = 0.3
 _DROP = 1e-11
 # growth exp(√F) of an error over the length: beyond, loads at one end do not fix the other end
 _MAX_RATE = 80.0
+# beyond this growth rounding alone exceeds a billionth of the length
+_SHOT_RATE = 16.0
 
 
 @kernel
@@ -270,7 +272,7 @@ def shot_error(problem, f):
     """Largest end error of one shot with the loads ``f`` (6,); inf for too large loads."""
     y, z, k = np.empty(WITH_JACOBIAN), np.empty(WITH_JACOBIAN), np.empty(12 * WITH_JACOBIAN)
     e, jacobian = np.empty(6), np.empty((6, 6))
-    if not moment_bound(f) < _MAX_RATE:
+    if not moment_bound(f) < _SHOT_RATE:
         return math.inf
     shoot(f, problem.torsion_ratio, step_count(f, _CHECK), POSE, y, k, z)
     end_error(problem, y, f[5], e, jacobian, False)
