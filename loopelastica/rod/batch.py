@@ -326,8 +326,8 @@ def _solve_rows(
     table.loads[rows], table.energy[rows] = solutions.loads, solutions.energy
     table.residual[rows], table.method[rows] = solutions.residual, solutions.method
     table.status[rows] = np.where(found, Status.CONVERGED, Status.STALLED)
-    for k in np.flatnonzero(found & ~solutions.shot).tolist():
-        table.records[int(rows[k])] = record_of(solutions, k)
+    for k in np.flatnonzero(found & np.logical_not(solutions.shot)):
+        table.records[int(rows[k])] = record_of(solutions, int(k))
     for k in np.flatnonzero(~found):
         _put(
             table,

@@ -125,7 +125,7 @@ class Rows(NamedTuple):
     energy: Array
     residual: Array
     method: Array
-    shot: Array
+    shot: Any
     """(n,): whether one shot from the loads ends at the clamping too."""
     segments: Array
     node_s: Array
