@@ -3,9 +3,10 @@
 Compiled code is kept in folders, by a key that covers the text of every kernel of the package, its
 version, Python, numba and llvmlite: numba's own cache asks only the file of the function itself
 whether it changed, and answers from yesterday's code when a function that it calls was edited.
-Two folders are searched:
+These folders are searched:
 
-- one inside the package, filled when the wheel is built and never needed to be written to;
+- one inside the package, or inside an installation of the same text elsewhere on Python's path,
+  filled when the wheel is built and never needed to be written to;
 - the user's: ``$LOOPELASTICA_CACHE``, else ``loopelastica`` in the user's folder of caches.
 
 In both, code for any processor of an architecture (``portable``) stands beside code for this one.
@@ -116,7 +117,10 @@ def shipped_folder() -> Path:
 def folders() -> tuple[Path, ...]:
     """Folders that are searched, in this order."""
     users = user_folder()
-    return (shipped_folder(),) if users is None else (shipped_folder(), users)
+    # a checkout is imported where Python is started in it, an installation of its text being there
+    installed = (Path(entry) / "loopelastica" / "_compiled" for entry in sys.path if entry)
+    found = dict.fromkeys((shipped_folder(), *(place for place in installed if place.is_dir())))
+    return tuple(found) if users is None else (*found, users)
 
 
 @functools.cache

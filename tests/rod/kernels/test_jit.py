@@ -146,6 +146,19 @@ def test_shipped_code_is_read_where_nothing_can_be_written(package, tmp_path):
 
 
 @pytest.mark.slow
+def test_a_checkout_reads_the_code_of_an_installation_of_the_same_text(package, tmp_path):
+    run(HINGE, tmp_path, package)
+    installed = tmp_path / "site"
+    shutil.copytree(package / "loopelastica", installed / "loopelastica")
+    (tmp_path / "cache").rename(installed / "loopelastica" / "_compiled")
+    path = os.pathsep.join([str(package), str(installed)])
+    assert compiled_and_value(run(HINGE, tmp_path, path)[0])[0] == 0
+    kernels = package / "loopelastica" / "rod" / "kernels"
+    (kernels / "cubic.py").write_text((kernels / "cubic.py").read_text() + "\n# edited\n")
+    assert compiled_and_value(run(HINGE, tmp_path, path)[0])[0] > 0
+
+
+@pytest.mark.slow
 def test_portable_code_runs_on_other_processors(package, tmp_path):
     if not portable.portable_environment():
         pytest.skip("no portable processor is known for this architecture")
