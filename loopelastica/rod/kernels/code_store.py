@@ -19,6 +19,7 @@ import functools
 import hashlib
 import logging
 import os
+import re
 import shutil
 import sys
 import sysconfig
@@ -39,6 +40,8 @@ _LOG = logging.getLogger("loopelastica")
 
 # sets of compiled code kept in the user's folder
 _KEPT = 8
+# the names of such sets, see `key`
+_SET = re.compile("[0-9a-f]{20}")
 _DIGEST = 32
 
 
@@ -175,7 +178,10 @@ def mark_used(place: Path) -> None:
 
 
 def forget_old(folder: Path) -> None:
-    """Remove the sets of compiled code unused for longest, which edits and updates leave behind."""
-    sets = [path for path in folder.iterdir() if path.is_dir()]
+    """Remove the sets of compiled code unused for longest, which edits and updates leave behind.
+
+    The folder may be one that the user named: whatever has not the name of a set stays.
+    """
+    sets = [path for path in folder.iterdir() if path.is_dir() and _SET.fullmatch(path.name)]
     for path in sorted(sets, key=lambda path: path.stat().st_mtime)[: max(0, len(sets) - _KEPT)]:
         shutil.rmtree(path, ignore_errors=True)

@@ -196,13 +196,16 @@ def test_kernels_are_interpreted_where_compilation_is_switched_off(package, tmp_
 
 @pytest.mark.slow
 def test_old_sets_of_compiled_code_are_removed(package, tmp_path):
-    old = [tmp_path / "cache" / f"old{k}" for k in range(12)]
-    for k, folder in enumerate(old):
+    old = [tmp_path / "cache" / f"{k:020x}" for k in range(12)]
+    others = [tmp_path / "cache" / name for name in ("mine", "0123", f"{1:021x}", f"{1:019x}g")]
+    for k, folder in enumerate(others + old):
         folder.mkdir(parents=True)
         os.utime(folder, (k, k))
     run(HINGE, tmp_path, package)
     left = [folder for folder in old if folder.is_dir()]
     assert left == old[-8:]
+    # what the program did not write stays
+    assert all(folder.is_dir() for folder in others)
 
 
 def test_the_numba_that_is_installed_is_one_the_package_knows():
