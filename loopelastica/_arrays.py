@@ -37,4 +37,7 @@ def _names(record: Any) -> list[str]:
 
 
 def _made(kind: type[Any], values: dict[str, Any]) -> Any:
-    return kind(**values)
+    record = kind(**values)
+    # a kind that is filled in place does not do so by itself
+    Record.__post_init__(record)
+    return record

@@ -6,7 +6,7 @@ Where any equilibrium will do, Newton's method from the nearest rods of the gues
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any, overload
 
 import numpy as np
@@ -37,22 +37,6 @@ _CHUNK = 256
 _NEIGHBOURS, _NEAR = 6, 0.24
 # Newton steps that a stored rod is given to come near: one that needs more seldom does
 _HASTE = 4
-
-
-@dataclass(slots=True)
-class _Table:
-    """A :class:`Batch` in the making."""
-
-    positions: Array
-    rotations: Array
-    torsion_ratio: Array
-    free_spin: bool
-    loads: Array
-    energy: Array
-    residual: Array
-    status: NDArray[np.int64]
-    method: NDArray[np.int64]
-    records: dict[int, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -93,6 +77,9 @@ class Batch(Record):
     status: NDArray[np.int64]
     method: NDArray[np.int64]
     records: dict[int, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """`solve_batch` fills it in place and makes it read-only then."""
 
     @property
     def converged(self) -> NDArray[np.bool_]:
@@ -180,19 +167,19 @@ def solve_batch(
     [ True False] [0 5] 4.0504
     """
     deadline, tolerance = Deadline(time_limit_s), check_tolerance(tolerance)
-    table = _unsolved(positions, rotations, torsion_ratio, bool(free_spin))
+    batch = _unsolved(positions, rotations, torsion_ratio, bool(free_spin))
     threads = whole(1)("threads", threads)
-    solvable = _solvable(table)
-    for i in np.flatnonzero(table.status == Status.UNREACHABLE):
-        _try_straight(int(i), table)
+    solvable = _solvable(batch)
+    for i in np.flatnonzero(batch.status == Status.UNREACHABLE):
+        _try_straight(int(i), batch)
 
     def solve_part(part: NDArray[np.intp]) -> None:
         if deadline.passed:
-            table.status[part] = Status.OUT_OF_TIME
+            batch.status[part] = Status.OUT_OF_TIME
             return
-        _solve_rows(part, bool(lowest), tolerance, deadline, table)
+        _solve_rows(part, bool(lowest), tolerance, deadline, batch)
 
-    parts = _parts(solvable, table.torsion_ratio)
+    parts = _parts(solvable, batch.torsion_ratio)
     if threads == 1 or len(parts) < 3:
         for part in parts:
             solve_part(part)
@@ -202,10 +189,11 @@ def solve_batch(
         solve_part(parts[0])
         with ThreadPoolExecutor(threads) as pool:
             list(pool.map(solve_part, parts[1:]))
-    return Batch(*(getattr(table, item.name) for item in fields(table)))
+    Record.__post_init__(batch)
+    return batch
 
 
-def _equilibrium(batch: Batch | _Table, row: int) -> Equilibrium:
+def _equilibrium(batch: Batch, row: int) -> Equilibrium:
     if batch.status[row] == Status.BAD_INPUT:
         raise ValueError(f"row {row} is no clamping: its position or rotation is not valid")
     return Equilibrium(
@@ -233,7 +221,7 @@ def _parts(solvable: NDArray[np.bool_], torsion_ratio: Array) -> list[NDArray[np
 
 def _unsolved(
     positions: ArrayLike, rotations: ArrayLike, torsion_ratio: ArrayLike, free_spin: bool
-) -> _Table:
+) -> Batch:
     """Rows that nothing has been tried on."""
     places = np.array(positions, dtype=np.float64, ndmin=1)
     frames = np.array(rotations, dtype=np.float64, ndmin=1)
@@ -248,7 +236,7 @@ def _unsolved(
         raise ValueError(f"`torsion_ratio` has shape {ratios.shape}; it must be a number or ({n},)")
     for ratio in np.unique(ratios):
         check_torsion_ratio(ratio)
-    return _Table(
+    return Batch(
         places,
         frames,
         np.broadcast_to(ratios, (n,)),
@@ -261,9 +249,9 @@ def _unsolved(
     )
 
 
-def _solvable(table: _Table) -> NDArray[np.bool_]:
-    """Which rows can be solved; the others are marked in ``table``."""
-    positions, rotations = table.positions, table.rotations
+def _solvable(batch: Batch) -> NDArray[np.bool_]:
+    """Which rows can be solved; the others are marked in ``batch``."""
+    positions, rotations = batch.positions, batch.rotations
     with np.errstate(invalid="ignore", over="ignore"):
         products = rotations.transpose(0, 2, 1) @ rotations
         # a comparison with NaN is false, so that NaN is caught as well
@@ -272,27 +260,27 @@ def _solvable(table: _Table) -> NDArray[np.bool_]:
         distance = np.linalg.norm(positions, axis=1)
         proper &= np.isfinite(distance)
         slack = distance < 1.0 - STRAIGHT
-    table.status[~slack] = Status.UNREACHABLE
-    table.status[~proper] = Status.BAD_INPUT
+    batch.status[~slack] = Status.UNREACHABLE
+    batch.status[~proper] = Status.BAD_INPUT
     return np.asarray(proper & slack)
 
 
-def _try_straight(i: int, table: _Table) -> None:
-    clamping = Clamping(table.positions[i], table.rotations[i], table.free_spin)
+def _try_straight(i: int, batch: Batch) -> None:
+    clamping = Clamping(batch.positions[i], batch.rotations[i], batch.free_spin)
     try:
-        rod = straight(clamping, float(table.torsion_ratio[i]))
+        rod = straight(clamping, float(batch.torsion_ratio[i]))
     except ValueError:
         return
     if rod is not None:
-        _put(table, i, rod)
+        _put(batch, i, rod)
 
 
-def _put(table: _Table, i: int, rod: Equilibrium) -> None:
+def _put(batch: Batch, i: int, rod: Equilibrium) -> None:
     """Write an equilibrium into row ``i``."""
-    table.loads[i], table.energy[i], table.residual[i] = rod.loads, rod.energy, rod.residual
-    table.status[i], table.method[i] = rod.status, rod.method
+    batch.loads[i], batch.energy[i], batch.residual[i] = rod.loads, rod.energy, rod.residual
+    batch.status[i], batch.method[i] = rod.status, rod.method
     if rod.converged and rod.method != Method.STRAIGHT:
-        table.records[i] = {
+        batch.records[i] = {
             "node_s": rod.node_s,
             "node_pose": rod.node_pose,
             "layers": rod.layers,
@@ -306,11 +294,11 @@ def _quaternions(rotations: Array) -> Array:
 
 
 def _solve_rows(
-    rows: NDArray[np.intp], lowest: bool, tolerance: float, deadline: Deadline, table: _Table
+    rows: NDArray[np.intp], lowest: bool, tolerance: float, deadline: Deadline, batch: Batch
 ) -> None:
-    """Solve the given rows, all of one torsion ratio; results into ``table``."""
-    positions, rotations = table.positions[rows], table.rotations[rows]
-    torsion_ratio, free_spin, n = float(table.torsion_ratio[rows[0]]), table.free_spin, len(rows)
+    """Solve the given rows, all of one torsion ratio; results into ``batch``."""
+    positions, rotations = batch.positions[rows], batch.rotations[rows]
+    torsion_ratio, free_spin, n = float(batch.torsion_ratio[rows[0]]), batch.free_spin, len(rows)
     guesses, known = np.zeros((n, 0, 6)), np.zeros(n, dtype=np.int64)
     if not lowest:
         stored = stored_rods(torsion_ratio, free_spin)
@@ -323,14 +311,14 @@ def _solve_rows(
         solutions,
     )
     found = solutions.method != Method.NONE
-    table.loads[rows], table.energy[rows] = solutions.loads, solutions.energy
-    table.residual[rows], table.method[rows] = solutions.residual, solutions.method
-    table.status[rows] = np.where(found, Status.CONVERGED, Status.STALLED)
+    batch.loads[rows], batch.energy[rows] = solutions.loads, solutions.energy
+    batch.residual[rows], batch.method[rows] = solutions.residual, solutions.method
+    batch.status[rows] = np.where(found, Status.CONVERGED, Status.STALLED)
     for k in np.flatnonzero(found & np.logical_not(solutions.shot)):
-        table.records[int(rows[k])] = record_of(solutions, int(k))
+        batch.records[int(rows[k])] = record_of(solutions, int(k))
     for k in np.flatnonzero(~found):
         _put(
-            table,
+            batch,
             int(rows[k]),
-            by_detour(_equilibrium(table, int(rows[k])), lowest, tolerance, deadline),
+            by_detour(_equilibrium(batch, int(rows[k])), lowest, tolerance, deadline),
         )

@@ -5,16 +5,16 @@ it that none is left out. They need NumPy and numba alone, so that this runs whe
 built.
 """
 
+import contextlib
 import gc
 import os
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.continuation import continue_clamping, twist_end
-from loopelastica.rod.kernels.code_store import shipped_folder, user_folder
+from loopelastica.rod.kernels.code_store import shipped_folder, try_writing, user_folder
 from loopelastica.rod.kernels.portable import portable_environment
 from loopelastica.rod.solve import solve
 from loopelastica.rod.stability import assess, conjugate_points
@@ -52,13 +52,8 @@ def compile_paths() -> None:
     assert rod.net_winding != rod.periods
 
 
-def warm(solver_only: bool = False) -> Path:
-    """Compile in a process of its own, for any processor of this architecture.
-
-    Parameters
-    ----------
-    solver_only : bool
-        Leave out what only paths, the closed form and the writhe need.
+def warm() -> Path:
+    """Compile everything in a process of its own, for any processor of this architecture.
 
     Returns
     -------
@@ -75,7 +70,7 @@ def warm(solver_only: bool = False) -> Path:
     """
     folder = _target()
     environment = {**os.environ, **portable_environment(), "LOOPELASTICA_CACHE": str(folder)}
-    command = [sys.executable, "-m", __name__, *(["--solver-only"] if solver_only else [])]
+    command = [sys.executable, "-m", __name__]
     run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if run.returncode:
         raise RuntimeError(f"compiling failed: {run.stderr.strip()[-500:]}")
@@ -87,12 +82,9 @@ def _target() -> Path:
     for folder in (user_folder(),) if chosen else (shipped_folder(), user_folder()):
         if folder is None:
             continue
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=folder):
-                return folder
-        except OSError:
-            continue
+        with contextlib.suppress(OSError):
+            try_writing(folder)
+            return folder
     raise OSError("no folder for compiled code can be written")
 
 

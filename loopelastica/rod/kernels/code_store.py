@@ -151,13 +151,18 @@ def writable_folder() -> Path | None:
         cannot_keep("no home folder")
         return None
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        # whether a file can be made, which permissions alone do not say
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
+        try_writing(folder)
     except OSError as error:
         cannot_keep(f"{folder}: {error.strerror}")
         return None
+    return folder
+
+
+def try_writing(folder: Path) -> None:
+    """OSError unless files can be made in a folder, which permissions alone do not say."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=folder):
+        pass
 
 
 @functools.cache

@@ -326,7 +326,7 @@ def _run_starts(problem, search, solution):
 
 @kernel
 def _new_solution():
-    """Room for a solution (`records.new_solution` in compiled code's reach)."""
+    """Room for a solution of up to `SEGMENTS` segments."""
     nodes = Nodes(np.empty(SEGMENTS + 1), np.empty((SEGMENTS + 1, 7)))
     return Solution(np.zeros(6), nodes, np.zeros(1, LAYERS))
 
