@@ -10,10 +10,13 @@ import json
 import os
 import shutil
 import tempfile
+import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal, TextIO
+
+from loopelastica._names import printable
 
 
 def data_path(name: str) -> Path:
@@ -96,9 +99,44 @@ def write_csv(
         for row in rows:
             if writer is None:
                 writer = _writer(file, list(row), "raise")
-            writer.writerow(row)
+            writer.writerow(cells(row))
             count += 1
     return count
+
+
+def cells(row: Mapping[str, object]) -> dict[str, object]:
+    """A row of a table as it stands in a CSV file.
+
+    A text that a spreadsheet would take for a formula, because it begins with = + - or @ and is no
+    number, begins with an apostrophe instead; what would break a line becomes an escape.
+
+    Parameters
+    ----------
+    row : mapping
+        Values by column.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> cells({"chain": "=1+1", "x_A": "-1.5", "loop": "a\\nb", "rank": 1})
+    {'chain': "'=1+1", 'x_A': '-1.5', 'loop': 'a\\\\nb', 'rank': 1}
+    """
+    return {name: _cell(value) if isinstance(value, str) else value for name, value in row.items()}
+
+
+def _cell(text: str) -> str:
+    text = printable(text)
+    # spreadsheets know the wide forms of the signs too
+    if unicodedata.normalize("NFKC", text.lstrip()[:1]) not in ("=", "+", "-", "@"):
+        return text
+    try:
+        float(text)
+    except ValueError:
+        return f"'{text}"
+    return text
 
 
 def _writer(
