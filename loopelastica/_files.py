@@ -1,22 +1,31 @@
 """Files: where those that ship with the package are, and writing whole or not at all.
 
 Everything is written beside its place under a hidden name and moved there when it is complete, so
-that a reader never meets half of it and an interrupted run leaves nothing behind.
+that a reader never meets half of it. Nothing is removed that the program did not write.
 """
 
 import csv
+import errno
 import hashlib
 import json
 import os
+import re
 import shutil
 import tempfile
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal, TextIO
+from typing import Any, Final, Literal, TextIO
 
 from loopelastica._names import printable
+
+PROGRAM: Final = "loopelastica"
+"""What every JSON file of the program says of where it is from."""
+
+NOTE: Final = ".loopelastica"
+"""Marks a folder that the program is writing: a lock, and the names of the files that are its own
+while there is no manifest."""
 
 
 def data_path(name: str) -> Path:
@@ -30,7 +39,7 @@ def data_path(name: str) -> Path:
 def whole_file(path: Path) -> Iterator[Path]:
     """A path to write to, of the same suffix, that becomes ``path`` only without an error."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
+    handle, name = tempfile.mkstemp(prefix=".loopelastica-", suffix=path.suffix, dir=path.parent)
     os.close(handle)
     part = Path(name)
     try:
@@ -43,18 +52,132 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def whole_folder(path: Path) -> Iterator[Path]:
-    """A folder to write into that becomes ``path`` only when the block ends without an error."""
+def whole_folder(path: Path, manifest: str) -> Iterator[Path]:
+    """A folder to write into, whose files come to ``path`` when the block ends without an error.
+
+    Only files that the program wrote are replaced or removed: those that the manifest of a former
+    result names. Whatever else is in the folder stays there. Where the manifest is, all its files
+    are there and are of one result, for it goes first and comes last. A run that is killed on the
+    way leaves a note of what is its own, from which the next one goes on.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    manifest : str
+        Name of one of the files, JSON, that says "program": "loopelastica" and lists all in
+        "files".
+
+    Raises
+    ------
+    FileExistsError
+        If `path` is no folder, or holds something that was not written by this program under a
+        name that is needed, or is being written by another run. Nothing is changed.
+    """
+    if path.is_symlink() or (path.exists() and not path.is_dir()):
+        kind = "a symbolic link" if path.is_symlink() else "a file"
+        raise _taken(path, f"this is {kind}, so no result is written there")
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
+    # always the same name, so that what a killed run has left is found again
+    part = path.with_name(f".{path.name}.part")
+    with _locked(path, part):
+        try:
+            for left in part.iterdir():
+                if left.name != NOTE:
+                    left.unlink()
+            yield part
+            _move(part, path, manifest)
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+
+
+@contextmanager
+def _locked(path: Path, part: Path) -> Iterator[None]:
+    """The hidden folder, made or taken over from a killed run, for this process alone."""
+    import fcntl
+
     try:
-        yield part
-        part.chmod(0o777 & ~_umask())
-        if path.exists():
-            shutil.rmtree(path)
-        part.replace(path)
-    finally:
-        shutil.rmtree(part, ignore_errors=True)
+        part.mkdir()
+    except FileExistsError:
+        strange = part.is_symlink() or not part.is_dir()
+        if strange or (any(part.iterdir()) and not (part / NOTE).is_file()):
+            sentence = "not written by loopelastica, and in the way of the result beside it"
+            raise _taken(part, sentence) from None
+    with (part / NOTE).open("a") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            sentence = "another run is writing this folder now; its result is left alone"
+            raise _taken(path, sentence) from None
+        except OSError:
+            pass  # a file system without locks
+        yield
+
+
+def _move(part: Path, path: Path, manifest: str) -> None:
+    if not path.exists():
+        part.rename(path)
+    else:
+        new = {entry.name for entry in part.iterdir()} - {NOTE}
+        former = own_files(path, manifest)
+        for name in sorted(new):
+            place = path / name
+            is_folder = place.is_dir() and not place.is_symlink()
+            if is_folder or (os.path.lexists(place) and name not in former):
+                sentence = "not written by this program, and a result needs its name"
+                raise _taken(place, f"{sentence}; move it away, or choose another folder")
+        write_json(path / NOTE, {"program": PROGRAM, "files": sorted(former | new)})
+        (path / manifest).unlink(missing_ok=True)
+        for name in former - new:
+            if not (path / name).is_dir() or (path / name).is_symlink():
+                (path / name).unlink(missing_ok=True)
+        for name in sorted(new - {manifest}):
+            (part / name).replace(path / name)
+        (part / manifest).replace(path / manifest)
+    (path / NOTE).unlink(missing_ok=True)
+
+
+def own_files(path: Path, manifest: str) -> set[str]:
+    """Names of the files in a folder that the program has written there.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    manifest : str
+        As for :func:`whole_folder`.
+
+    Returns
+    -------
+    set of str
+        Empty where there is no manifest, or one of somebody else.
+    """
+    return {
+        name
+        for listed in (read_manifest(path / manifest), read_manifest(path / NOTE))
+        for name in listed.get("files", ())
+    }
+
+
+def read_manifest(path: Path) -> dict[str, Any]:
+    """The content of a manifest; empty where there is none that this program could have written."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError, ValueError, RecursionError):
+        return {}
+    if not isinstance(content, dict) or content.get("program") != PROGRAM:
+        return {}
+    files = content.get("files")
+    return content if isinstance(files, list) and all(_is_file_name(f) for f in files) else {}
+
+
+def _is_file_name(name: object) -> bool:
+    # nothing that leads out of the folder
+    return isinstance(name, str) and re.fullmatch(r"[^/\\\0]+", name) is not None and name != ".."
+
+
+def _taken(path: Path, sentence: str) -> FileExistsError:
+    return FileExistsError(errno.EEXIST, sentence, str(path))
 
 
 def _umask() -> int:
@@ -66,7 +189,8 @@ def _umask() -> int:
 def write_text(path: Path, text: str) -> None:
     """Write UTF-8 text, whole or not at all."""
     with whole_file(path) as part:
-        part.write_text(text, encoding="utf-8", newline="\n")
+        # of a name that is no UTF-8 an escape is left, in JSON one that stands for the same name
+        part.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
 
 
 def write_json(path: Path, content: Any) -> None:
@@ -105,7 +229,7 @@ def write_csv(
 
 
 def cells(row: Mapping[str, object]) -> dict[str, object]:
-    """A row of a table as it stands in a CSV file.
+    r"""A row of a table as it stands in a CSV file.
 
     A text that a spreadsheet would take for a formula, because it begins with = + - or @ and is no
     number, begins with an apostrophe instead; what would break a line becomes an escape.
@@ -121,8 +245,8 @@ def cells(row: Mapping[str, object]) -> dict[str, object]:
 
     Examples
     --------
-    >>> cells({"chain": "=1+1", "x_A": "-1.5", "loop": "a\\nb", "rank": 1})
-    {'chain': "'=1+1", 'x_A': '-1.5', 'loop': 'a\\\\nb', 'rank': 1}
+    >>> cells({"chain": "=1+1", "x_A": "-1.5", "loop": "a\nb", "rank": 1})
+    {'chain': "'=1+1", 'x_A': '-1.5', 'loop': 'a\\nb', 'rank': 1}
     """
     return {name: _cell(value) if isinstance(value, str) else value for name, value in row.items()}
 

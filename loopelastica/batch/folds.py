@@ -1,6 +1,5 @@
 """The work of ``loopelastica fold`` on one file of many."""
 
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,7 @@ from loopelastica.batch.run import Task, Work
 from loopelastica.folding.fold import fold
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import read_structure
-from loopelastica.report.folder import Folders, write_fold
+from loopelastica.report.folder import Folders, is_there, write_fold
 from loopelastica.report.records import candidate_row
 
 _LOOP = ("file", "loop", "kind", "closing_pair", "sequence", "nucleotides")
@@ -33,7 +32,9 @@ def fold_file(task: Task) -> Record:
     structure = read_structure(source)
     loops = fold(structure, **options)
     folders = Folders(Path(task.out), task.number)
-    rows, failures = [], []
+    rows: list[dict[str, Any]] = []
+    failures: list[str] = []
+    record: Record = {"rows": rows, "failures": failures}
     if not loops:
         failures.append(f"{source}: no hairpin loop found; nothing to fold")
     for loop in loops:
@@ -42,12 +43,14 @@ def fold_file(task: Task) -> Record:
             failures.append(f"{source.name}: {loop.failure}")
             continue
         folder = folders.claim(source, loop)
-        write_fold(folder, source, loop, structure, plot=plot)
-        # what a killed worker has begun
-        for begun in folder.parent.glob(f".{folder.name}.*"):
-            shutil.rmtree(begun, ignore_errors=True)
+        try:
+            record["came_from"] = write_fold(folder, source, loop, structure, plot=plot)
+        except FileExistsError as error:
+            failures.append(f"{error.filename}: {error.strerror}")
+            record["refused"] = True
+            continue
         rows += [{**r, "folder": folder.name} for r in loop_rows(source, loop)]
-    return {"rows": rows, "failures": failures}
+    return record
 
 
 def loop_rows(source: Path, loop: LoopFold) -> list[dict[str, Any]]:
@@ -80,8 +83,12 @@ def loop_rows(source: Path, loop: LoopFold) -> list[dict[str, Any]]:
     return [{**about, **candidate_row(candidate)} for candidate in loop.candidates]
 
 
-def _folders_are_there(task: Task, record: Record) -> bool:
-    return all((Path(task.out) / row["folder"]).is_dir() for row in record["rows"])
+def _results_are_there(task: Task, record: Record) -> bool:
+    """Whether the folders still hold this result; a refused one is tried again."""
+    folders = {row["folder"] for row in record["rows"]}
+    return "refused" not in record and all(
+        is_there(Path(task.out) / folder, record["came_from"]) for folder in folders
+    )
 
 
-FOLDS = Work("candidates", fold_file, COLUMNS, _folders_are_there)
+FOLDS = Work("candidates", fold_file, COLUMNS, _results_are_there)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from loopelastica._files import whole_file, write_csv
+from loopelastica._names import safe_stem
 from loopelastica._version import __version__
 from loopelastica.batch.journal import Journal, Record
 from loopelastica.batch.workers import outcomes
@@ -117,7 +118,7 @@ def tasks_of(sources: Iterable[Path], options: dict[str, Any], out: Path) -> lis
     seen: dict[str, int] = {}
     tasks = []
     for source in sources:
-        stem = source.name.removesuffix(".gz").rsplit(".", 1)[0]
+        stem = safe_stem(source)
         seen[stem] = seen.get(stem, 0) + 1
         tasks.append(Task(str(source.resolve()), seen[stem], options, str(out.resolve())))
     return tasks

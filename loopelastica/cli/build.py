@@ -38,7 +38,8 @@ def build(
         built = atoms_of(structure, loop, positions, contact)
     name = "".join(letter for letter in sequence.upper() if letter.isalpha())
     folder = Folders(out).claim(Path(name), loop)
-    write_fold(folder, sequence, loop, structure, plot, atoms=built)
+    with o.refusals(folder):
+        write_fold(folder, sequence, loop, structure, plot, atoms=built)
     console().print(fold_table([(name, loop, folder)]))
 
 
@@ -75,4 +76,4 @@ def atoms_of(
             contact=contact,
             progress=lambda done, total: bar.update(),
         )
-    return LoopAtoms(structure, loop, tuple(models), positions)
+    return LoopAtoms(structure, loop, tuple(models), positions, contact)

@@ -93,7 +93,7 @@ def _fold_many(
     with o.usage():
         tasks = tasks_of(files, {**options.to_dict(), "plot": plot}, out)
         done = run(FOLDS, tasks, out, jobs, scheduler, progress=True)
-    typer.echo(
+    o.say(
         f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} candidates in"
         f" {done.table}"
     )
@@ -140,6 +140,7 @@ class _Results:
 def _fold_each(files: list[Path], out: Path, options: "FoldOptions", output: _Output) -> None:
     from tqdm import tqdm
 
+    from loopelastica._names import printable
     from loopelastica.errors import LoopelasticaError
     from loopelastica.report.folder import Folders
     from loopelastica.report.tables import console, fold_table
@@ -152,16 +153,16 @@ def _fold_each(files: list[Path], out: Path, options: "FoldOptions", output: _Ou
             results.rows.append((file.name, str(error), None))
         except ValueError as error:
             # an option out of range concerns every file
-            raise typer.BadParameter(str(error)) from None
+            raise typer.BadParameter(printable(str(error))) from None
         except OSError as error:
             sentence = f"{error.filename or file}: {error.strerror}"
             results.rows.append((file.name, sentence, None))
     console().print(fold_table(results.rows))
     for sentence in results.notes:
-        typer.echo(f"note: {sentence}")
+        o.say(f"note: {sentence}")
     failures = results.failures
     for sentence in (*failures, *results.model_failures):
-        typer.echo(sentence, err=True)
+        o.say(sentence, err=True)
     if failures:
         raise typer.Exit(1)
 
@@ -200,7 +201,11 @@ def _fold_file(
                     built = atoms_of(structure, loop, structure.positions(0), output.contact)
             except LoopelasticaError as error:
                 results.without_atoms.append(f"{file.name}: {error}")
-            write_fold(folder, file, loop, structure, output.plot, full, built)
+            try:
+                write_fold(folder, file, loop, structure, output.plot, full, built)
+            except FileExistsError as error:
+                results.rows.append((file.name, f"{error.filename}: {error.strerror}", None))
+                continue
         sentences += loop.remarks
         results.rows.append((file.name, loop, folder))
     results.notes += [f"{file.name}: {sentence}" for sentence in sentences]

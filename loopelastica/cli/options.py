@@ -11,6 +11,8 @@ from typing import Annotated
 
 import typer
 
+from loopelastica._names import printable
+
 Files = Annotated[
     list[Path], typer.Argument(help="PDB or mmCIF files, gzipped or not.", show_default=False)
 ]
@@ -111,7 +113,7 @@ def usage() -> Iterator[None]:
     try:
         yield
     except (ValueError, MissingDependencyError) as error:
-        raise typer.BadParameter(str(error)) from None
+        raise typer.BadParameter(printable(str(error))) from None
 
 
 @contextmanager
@@ -124,15 +126,20 @@ def refusals(file: Path) -> Iterator[None]:
     except LoopelasticaError as error:
         fail([str(error)])
     except ValueError as error:
-        raise typer.BadParameter(str(error)) from None
+        raise typer.BadParameter(printable(str(error))) from None
     except OSError as error:
         fail([f"{error.filename or file}: {error.strerror}"])
+
+
+def say(sentence: str, err: bool = False) -> None:
+    """Print a sentence in one line, whatever the names in it are made of."""
+    typer.echo(printable(sentence), err=err)
 
 
 def fail(sentences: Sequence[str]) -> None:
     """Print what failed and exit with status 1; do nothing if nothing failed."""
     for sentence in sentences:
-        typer.echo(sentence, err=True)
+        say(sentence, err=True)
     if sentences:
         raise typer.Exit(1)
 

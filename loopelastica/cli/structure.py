@@ -33,12 +33,12 @@ def hairpins(
     if found:
         console().print(hairpins_table(content["hairpins"]))
     for chain in content["chains"]:
-        typer.echo(f">{chain['chain'] or '_'} {chain['first']}-{chain['last']}")
+        o.say(f">{chain['chain'] or '_'} {chain['first']}-{chain['last']}")
         typer.echo(chain["sequence"])
         typer.echo(chain["dot_bracket"])
     refused = [hairpin["refusal"] for hairpin in content["hairpins"] if hairpin["refusal"]]
     for sentence in (*remarks(structure, found), *refused):
-        typer.echo(f"note: {sentence}")
+        o.say(f"note: {sentence}")
     if not found:
         o.fail([f"{file}: no hairpin loop found"])
 

@@ -27,5 +27,5 @@ def evaluate(
 
     with o.usage():
         done = evaluate_folder(folder, out, jobs or 1, scheduler, progress=True)
-    typer.echo(f"{done.n_files} files, {done.n_rows} loops: {out / 'scoreboard.md'}")
+    o.say(f"{done.n_files} files, {done.n_rows} loops: {out / 'scoreboard.md'}")
     o.fail_of_many(done.failures, out)

@@ -10,6 +10,7 @@ that cannot be built is written as its parent.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -19,12 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
-from loopelastica._files import write_json
+from loopelastica._files import write_json, write_text
 from loopelastica.atoms.model import AtomModel
 from loopelastica.atoms.site import elements, waters
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure
 from loopelastica.molecule.reading import quiet
+from loopelastica.report.pdb import pdb_name
 
 _WATER_A: Final = 3.0
 _LAST_SERIAL: Final = 99_999
@@ -41,12 +43,15 @@ class LoopAtoms:
     models : tuple of AtomModel
     positions : (n_atoms, 3) array
         Of all atoms of the structure, Å; those of the loop may be anything.
+    contact : str or None
+        The pair that was sought, as in :func:`build_atoms`.
     """
 
     structure: Structure
     fold: LoopFold
     models: tuple[AtomModel, ...]
     positions: Array
+    contact: str | None = None
 
     @property
     def written(self) -> tuple[AtomModel, ...]:
@@ -98,9 +103,10 @@ def write_atoms(folder: Path, atoms: LoopAtoms) -> None:
         import gemmi
     except ImportError:
         return
-    structure = gemmi.read_pdb(str(folder / "atoms.pdb"))
+    structure = gemmi.read_pdb_string((folder / "atoms.pdb").read_text(encoding="ascii"))
+    structure.name = "atoms"
     structure.setup_entities()
-    structure.make_mmcif_document().write_file(str(folder / "atoms.cif"))
+    write_text(folder / "atoms.cif", structure.make_mmcif_document().as_string())
 
 
 def write_pdb(path: Path, atoms: LoopAtoms) -> None:
@@ -144,7 +150,8 @@ def write_sdf(path: Path, models: Sequence[AtomModel]) -> None:
     from rdkit import Chem
     from rdkit.Geometry import Point3D
 
-    with Chem.SDWriter(str(path)) as writer:
+    stream = io.StringIO()
+    with Chem.SDWriter(stream) as writer:
         for model in models:
             mol = Chem.Mol(model.molecule.mol)
             conformer = Chem.Conformer(mol.GetNumAtoms())
@@ -160,6 +167,7 @@ def write_sdf(path: Path, models: Sequence[AtomModel]) -> None:
             )
             mol.SetProp("atoms", " ".join(names))
             writer.write(mol)
+    write_text(path, stream.getvalue())
 
 
 def content(atoms: LoopAtoms) -> dict[str, Any]:
@@ -247,7 +255,9 @@ def _universe(atoms: LoopAtoms, rows: _Rows) -> Any:
             "bonds": _bonds(atoms, rows),
         }
         for name, values in attributes.items():
-            universe.add_TopologyAttr(name, list(values))
+            universe.add_TopologyAttr(
+                name, [pdb_name(v) if isinstance(v, str) else v for v in values]
+            )
     return universe
 
 

@@ -1,12 +1,18 @@
-"""What a fold writes: one folder per hairpin, complete or absent."""
+"""What a fold writes: one folder per hairpin, complete or absent.
 
-from collections.abc import Iterator
+ranking.json is the manifest of the folder. It says which files are the program's own and what they
+came from, is written last and, when the folder is written anew, removed first.
+"""
+
+import os
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from loopelastica._files import whole_folder, write_csv, write_json, write_text
+from loopelastica._files import NOTE, read_manifest, whole_folder, write_csv, write_json, write_text
+from loopelastica._names import safe_name, safe_stem
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.report.pdb import (
@@ -17,23 +23,28 @@ from loopelastica.report.pdb import (
     renamed_records,
 )
 from loopelastica.report.plots import plot_fold
-from loopelastica.report.records import candidate_row, line, loop_row, ranking
-from loopelastica.report.viewers import path_from, write_chimerax, write_pymol
+from loopelastica.report.records import candidate_row, line, loop_row, origin, ranking
+from loopelastica.report.viewers import shown_file, write_chimerax, write_pymol
 
 if TYPE_CHECKING:
     from loopelastica.report.atoms import LoopAtoms
+
+MANIFEST: Final = "ranking.json"
 
 
 class Folders:
     """Names for the hairpins' folders: two inputs of one name get different ones.
 
-    `number` is 2, 3 … for a file whose namesakes are the work of others.
+    `number` is 1, 2, 3 … for files of one name that are folded apart from each other; None for one
+    run over all files, which counts by itself.
     """
 
-    def __init__(self, root: Path, number: int = 1) -> None:
+    def __init__(self, root: Path, number: int | None = None) -> None:
         self.root = root
-        self._before = number - 1
-        self._taken: dict[str, int] = {}
+        self._of_file = "" if number in (None, 1) else f"_{number}"
+        # what no other file's number can be taken for
+        self._joint = "_" if number is None else "+"
+        self._taken: set[str] = set()
 
     def claim(self, source: Path, fold: LoopFold) -> Path:
         """The folder of one hairpin: <file>_<chain><first>-<last>, numbered from the second on.
@@ -49,10 +60,13 @@ class Folders:
         -------
         Path
         """
-        stem = source.name.removesuffix(".gz").rsplit(".", 1)[0] or source.name
-        name = f"{stem}_{fold.hairpin.name}"
-        count = self._taken[name] = self._taken.get(name, self._before) + 1
-        return self.root / (name if count == 1 else f"{name}_{count}")
+        first = name = f"{safe_stem(source)}_{safe_name(fold.hairpin.name)}{self._of_file}"
+        count = 1
+        while name in self._taken:
+            count += 1
+            name = f"{first}{self._joint}{count}"
+        self._taken.add(name)
+        return self.root / name
 
 
 def write_fold(
@@ -63,8 +77,10 @@ def write_fold(
     plot: bool = True,
     whole: WholeStructure | None = None,
     atoms: "LoopAtoms | None" = None,
-) -> None:
+) -> dict[str, Any]:
     """Write the folder of one folded loop, whole or not at all.
+
+    What a user has put into the folder stays there.
 
     Parameters
     ----------
@@ -82,23 +98,35 @@ def write_fold(
         Write whole.pdb from it.
     atoms : LoopAtoms, optional
         Write atoms.pdb, atoms.cif, loop.sdf and atoms.json from it.
+
+    Returns
+    -------
+    dict
+        What the files came from, for :func:`is_there`.
+
+    Raises
+    ------
+    FileExistsError
+        If the folder cannot be written without harm to what is there.
     """
+    built = None if atoms is None else {"contact": atoms.contact}
+    written = {"plot": plot, "whole": whole is not None, "atoms": built}
+    came_from = origin(path, source, fold.parameters, written)
     chains = structure.nucleotides.chain.tolist()
     letter = one_letter_chains(chains)[fold.hairpin.chain]
     rows = [
         {**loop_row(fold), **candidate_row(c), **(atoms.columns(c.rank) if atoms else {})}
         for c in fold.candidates
     ]
-    with whole_folder(path) as part:
+    with whole_folder(path, MANIFEST) as part:
         write_csv(part / "ranking.csv", rows)
-        write_json(part / "ranking.json", ranking(source, fold, structure.remarks))
         write_csv(part / "line.csv", _line_rows(fold))
         _write_traces(part / "traces.pdb", fold, structure, letter)
         if isinstance(source, Path):
             # a PDB file has no longer chain names: there they are those of segments
             chain = fold.hairpin.chain
             shown = "" if is_pdb(source) and len(chain) > 1 else chain
-            file = path_from(path, source)
+            file = shown_file(part, source)
             write_pymol(part / "view.pml", fold, file, shown)
             write_chimerax(part / "view.cxc", fold, file, shown, structure.n_models)
         if whole is not None:
@@ -110,6 +138,32 @@ def write_fold(
         if plot:
             sticks = None if atoms is None else atoms.sticks(1)
             plot_fold(fold, part / "plot.png", title=path.name, sticks=sticks)
+        content = ranking(came_from, fold, structure.remarks)
+        files = {MANIFEST, *(entry.name for entry in part.iterdir() if entry.name != NOTE)}
+        write_json(part / MANIFEST, {**content, "files": sorted(files)})
+    return came_from
+
+
+def is_there(path: Path, came_from: Mapping[str, Any]) -> bool:
+    """Whether a folder holds the whole result of one input and one set of options.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    came_from : mapping
+        As `write_fold` has returned it.
+
+    Returns
+    -------
+    bool
+    """
+    manifest = read_manifest(path / MANIFEST)
+    return (
+        bool(manifest)
+        and all(manifest.get(name) == value for name, value in came_from.items())
+        and all(os.path.lexists(path / name) for name in manifest["files"])
+    )
 
 
 def _line_rows(fold: LoopFold) -> Iterator[dict[str, object]]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica._files import write_text
+from loopelastica._names import printable
 from loopelastica._version import __version__
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb, pdb_records, quiet
@@ -24,7 +25,17 @@ WHOLE_ATOMS = 20_000
 a ribosome would make half a gigabyte."""
 
 _ATOMS = ("ATOM  ", "HETATM")
+_LEVEL = {"resnames": "residues", "icodes": "residues", "segids": "segments"}
 _LETTERS = string.ascii_uppercase + string.ascii_lowercase + string.digits
+
+
+def pdb_name(text: str) -> str:
+    r"""A name as a record of the PDB format can hold it: visible ASCII, all else as ``_``.
+
+    >>> pdb_name("A\n B"), pdb_name("C1'")
+    ('A__B', "C1'")
+    """
+    return "".join(c if "!" <= c <= "~" else "_" for c in text)
 
 
 def one_letter_chains(chains: Iterable[str]) -> dict[str, str]:
@@ -37,7 +48,10 @@ def one_letter_chains(chains: Iterable[str]) -> dict[str, str]:
     """
     chains = list(dict.fromkeys(chains))
     free = iter([letter for letter in _LETTERS if letter not in chains])
-    return {chain: chain if len(chain) <= 1 else next(free, "Z") for chain in chains}
+    return {
+        chain: chain if len(chain) <= 1 and pdb_name(chain) == chain else next(free, "Z")
+        for chain in chains
+    }
 
 
 def renamed(chains: Iterable[str]) -> dict[str, str]:
@@ -48,7 +62,7 @@ def renamed(chains: Iterable[str]) -> dict[str, str]:
 def renamed_records(letters: dict[str, str]) -> list[str]:
     """REMARK records for the chains that got another letter."""
     return [
-        f"REMARK  99 CHAIN {chain} IS WRITTEN AS {letter}"
+        f"REMARK  99 CHAIN {printable(chain)} IS WRITTEN AS {letter}"
         for chain, letter in letters.items()
         if chain != letter
     ]
@@ -87,10 +101,10 @@ def point_records(
             serial=(serial + k) % 100_000,
             name=f" {POINT}",
             altLoc="",
-            resName=f"{'N' if row < 0 else names[row][:3]:>3s} ",
+            resName=f"{'N' if row < 0 else pdb_name(names[row])[:3]:>3s} ",
             chainID=chain,
             resSeq=int(hairpin.resid[k]) % 10_000 if hairpin.resid[k] >= 0 else hairpin.resid[k],
-            iCode=hairpin.icode[k],
+            iCode=pdb_name(hairpin.icode[k])[:1],
             pos=trace[k],
             occupancy=1.0,
             tempFactor=float(rank),
@@ -165,7 +179,7 @@ class WholeStructure:
         chain = self._records[after - 1][21]
         points = point_records(fold, self._structure, first.trace, chain, 1, self._serial)
         records = np.array(self._records, dtype=object)
-        ends = f"{hairpin.residues[0]} TO {hairpin.residues[-1]}"
+        ends = printable(f"{hairpin.residues[0]} TO {hairpin.residues[-1]}")
         lines = [
             f"REMARK  99 LOOPELASTICA {__version__}: {ends} ARE POINTS {POINT} OF THE ELASTIC LINE",
             "REMARK  99 OF LEAST ENERGY; ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL",
@@ -211,6 +225,10 @@ def _made_anew(structure: Structure, chains: list[str]) -> list[str]:
         path = Path(folder) / "whole.pdb"
         copy = structure.universe.copy()
         copy.add_TopologyAttr("chainIDs", chains)
+        for name in ("names", "resnames", "altLocs", "icodes", "segids", "elements"):
+            values = getattr(getattr(copy, _LEVEL.get(name, "atoms")), name, None)
+            if values is not None:
+                copy.add_TopologyAttr(name, [pdb_name(str(value)) for value in values])
         copy.atoms.positions = structure.positions(0)
         copy.atoms.write(str(path), bonds=None)
         # MDAnalysis begins residue names at the left, the format ends them at the right

@@ -1,5 +1,6 @@
 """Pictures; matplotlib is loaded when the first one is drawn."""
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -42,14 +43,19 @@ def plot_fold(fold: LoopFold, path: Path, title: str = "", sticks: Array | None 
         if sticks is not None:
             _draw_sticks(axes[name], flat(sticks))
         _draw_lines(axes[name], fold, flat)
-        axes[name].set_title(f"{title} {name}" if name == "front" else name, fontsize=9)
+        # a title is a name, in which a dollar begins no formula
+        text = f"{title} {name}" if name == "front" else name
+        axes[name].set_title(text, fontsize=9, parse_math=False)
         axes[name].set_xlabel("Å")
     _same_scale(axes["front"], axes["side"])
     _draw_curvature(axes["curvature"], fold)
     # fixed margins: a layout engine would draw the picture twice
     figure.subplots_adjust(left=0.05, right=0.985, bottom=0.13, top=0.92, wspace=0.2)
     axes["front"].legend(loc="upper left", fontsize=7, frameon=False)
-    figure.savefig(path, dpi=120)
+    with warnings.catch_warnings():
+        # letters of a name that the font lacks are drawn as boxes
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+        figure.savefig(path, dpi=120)
 
 
 def _colour(rank: int) -> Any:

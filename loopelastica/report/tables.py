@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table
 
+from loopelastica._names import printable
+
 if TYPE_CHECKING:
     from loopelastica.folding.result import LoopFold
     from loopelastica.folding.scan import LoopScan
@@ -14,9 +16,16 @@ if TYPE_CHECKING:
 
 def console() -> Console:
     """Where tables go."""
-    terminal = Console()
+    # brackets and colons in a name are no markup
+    terminal = Console(markup=False, emoji=False)
     # a file or a pipe has no width: leave the numbers whole
-    return terminal if terminal.is_terminal else Console(width=150)
+    if not terminal.is_terminal:
+        terminal.width = 150
+    return terminal
+
+
+def _add_row(table: Table, *texts: str) -> None:
+    table.add_row(*(printable(text) for text in texts))
 
 
 def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Table:
@@ -35,16 +44,17 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
     table.add_column("folder", overflow="fold")
     for name, result, folder in results:
         if isinstance(result, str):
-            table.add_row(name, "not folded: see below")
+            _add_row(table, name, "not folded: see below")
             continue
         pair = result.hairpin.label
         if result.failure:
-            table.add_row(name, pair, result.hairpin.sequence, "not folded: see below")
+            _add_row(table, name, pair, result.hairpin.sequence, "not folded: see below")
         for c in result.candidates:
             mean, deviation, count = rmsd_summary(c)
             models = "" if mean is None or count < 2 else f"{mean:.2f} ± {deviation:.2f} ({count})"
             first = c.rank == 1
-            table.add_row(
+            _add_row(
+                table,
                 name if first else "",
                 pair if first else "",
                 result.hairpin.sequence if first else "",
@@ -77,7 +87,7 @@ def scan_table(loop: "LoopScan", shown: int) -> Table:
     """
     median, most = loop.expected_rmsd_A
     table = Table(
-        title=f"{loop.hairpin.label} {loop.hairpin.sequence}, by E/K0",
+        title=printable(f"{loop.hairpin.label} {loop.hairpin.sequence}, by E/K0"),
         caption=f"{min(shown, len(loop.candidates))} of {len(loop.candidates)} shapes, spread"
         f" {loop.spread_A:.1f} Å. Energy is no confidence: the least deformed shape is not the most"
         f" probable one. Error to expect of the rule (*) for {len(loop.hairpin)} nucleotides:"
@@ -91,7 +101,8 @@ def scan_table(loop: "LoopScan", shown: int) -> Table:
     table.add_column("RMSD (Å)", justify="right")
     for c in loop.candidates[:shown]:
         clamp, shape = c.ends.clamp, c.candidate
-        table.add_row(
+        _add_row(
+            table,
             f"{shape.rank}{'*' if c.is_rule else ' '}",
             str(c.rank_by_EL),
             f"{clamp.stem_extend_5} {clamp.stem_extend_3}",
@@ -116,7 +127,8 @@ def hairpins_table(found: "list[dict[str, Any]]") -> Table:
     for hairpin in found:
         rms_A, absent = hairpin["stem_rms_A"], hairpin["absent"]
         fit = "none" if rms_A is None else f"{rms_A:.2f}"
-        table.add_row(
+        _add_row(
+            table,
             hairpin["chain"] or "_",
             "–".join(hairpin["closing_pair"]),
             hairpin["sequence"],
@@ -136,7 +148,8 @@ def equilibria_table(rods: "Equilibria") -> Table:
     for name in ("energy", "F (start frame)", "M (start frame)", "twist", "residual"):
         table.add_column(name, justify="right", no_wrap=True)
     for rod in rods:
-        table.add_row(
+        _add_row(
+            table,
             f"{rod.energy:.6g}",
             " ".join(f"{v:9.4g}" for v in rod.loads[:3]),
             " ".join(f"{v:9.4g}" for v in rod.loads[3:]),

@@ -1,11 +1,18 @@
-"""Scripts that show the candidates over the structure in PyMOL and in ChimeraX."""
+"""Scripts that show the candidates over the structure in PyMOL and in ChimeraX.
 
-import os
+Both programs take parts of a name for commands: a semicolon, a line feed, a quote. What a file says
+of itself therefore stands in a script only where it is made of harmless characters.
+"""
+
+import re
+import shutil
 from pathlib import Path
 
 from loopelastica._files import write_text
+from loopelastica._names import safe_name
 from loopelastica._version import __version__
 from loopelastica.folding.result import LoopFold
+from loopelastica.report.records import path_from
 
 # The first ten colours of matplotlib, so that plot.png and the scripts agree.
 _COLOURS = ("1f77b4", "ff7f0e", "2ca02c", "d62728", "9467bd",
@@ -24,11 +31,13 @@ def write_pymol(path: Path, fold: LoopFold, source: str, chain: str) -> None:
     fold : LoopFold
         What was folded.
     source : str
-        Path of the structure file, from the folder of the script.
+        Path of the structure file, from the folder of the script, as `shown_file` gives it.
     chain : str
         Chain of the loop in the viewer, "" where it has none.
     """
-    place = " and ".join([f"chain {chain}"] * bool(chain) + [f"resi {_numbers(fold, '+', _MINUS)}"])
+    numbers = f"resi {_numbers(fold, '+', _MINUS)}"
+    name = chain if _is_plain(chain) else f'"{chain}"'
+    place = f"chain {name} and {numbers}" if _can_be_said(chain) else numbers
     lines = [
         _headline(fold),
         "# Run it in this folder: pymol view.pml",
@@ -72,7 +81,8 @@ def write_chimerax(path: Path, fold: LoopFold, source: str, chain: str, n_models
         Models of the structure file.
     """
     several = len(fold.candidates) > 1
-    chain = f"/{chain}" if chain else ""
+    attribute = f'//chain_id="{chain}"' if _can_be_said(chain) else ""
+    chain = f"/{chain}" if _is_plain(chain) else attribute
     native = "#2.1" if n_models > 1 else "#2"
     lines = [
         _headline(fold),
@@ -98,7 +108,8 @@ def write_chimerax(path: Path, fold: LoopFold, source: str, chain: str, n_models
 
 
 def _headline(fold: LoopFold) -> str:
-    label = fold.hairpin.label
+    # PyMOL takes what follows a semicolon in a comment for a command
+    label = "–".join(safe_name(name) for name in fold.hairpin.closing_pair)
     return f"# loopelastica {__version__}: the candidates for {label} over the file's own loop."
 
 
@@ -106,24 +117,43 @@ def _numbers(fold: LoopFold, joint: str, minus: str) -> str:
     """Residue numbers of the loop as a viewer reads them, a negative one after the sign `minus`."""
     hairpin = fold.hairpin
     return joint.join(
-        f"{minus if number < 0 else ''}{number}{icode}"
+        f"{minus if number < 0 else ''}{number}{icode if _is_plain(icode) else ''}"
         for number, icode in zip(hairpin.resid, hairpin.icode, strict=True)
     )
 
 
-def path_from(folder: Path, file: Path) -> str:
-    """Path of a file as seen from a folder, so that both can be moved together.
+def _can_be_said(chain: str) -> bool:
+    """Whether a chain can be named; else the numbers alone say where the loop is."""
+    return re.fullmatch(r"[A-Za-z0-9_. -]*[A-Za-z0-9_.-]", chain) is not None
+
+
+def _is_plain(text: str) -> bool:
+    return text.isascii() and text.isalnum()
+
+
+def shown_file(folder: Path, source: Path) -> str:
+    """What the scripts of a folder call the structure file.
 
     Parameters
     ----------
-    folder, file : Path
+    folder : Path
+        Where they are.
+    source : Path
+        The file.
 
     Returns
     -------
     str
-        With forward slashes; absolute where the two are on different drives.
+        Its path from the folder. Where a viewer could take a part of that for something else, a
+        link in the folder, or a copy where links cannot be made: native.pdb.
     """
+    path = path_from(folder, source)
+    if re.fullmatch(r"[A-Za-z0-9_.+/-]+", path):
+        return path
+    suffix = re.search(r"(\.[A-Za-z0-9]+)?(\.gz|\.bz2)?$", source.name)
+    name = f"native{suffix.group() if suffix else ''}"
     try:
-        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
-    except ValueError:
-        return file.resolve().as_posix()
+        (folder / name).symlink_to(path)
+    except OSError:
+        shutil.copyfile(source, folder / name)
+    return name

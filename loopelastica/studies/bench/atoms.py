@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from loopelastica._files import write_csv, write_json
+from loopelastica._names import printable
 from loopelastica.errors import LoopelasticaError
 
 
@@ -44,7 +45,7 @@ def run(folder: Path, out: Path, *, sample: int | None = None, progress: bool = 
         )
     summary = _summary(rows)
     write_json(out / "atoms.json", summary)
-    return "\n".join(f"{name}: {value}" for name, value in summary.items())
+    return "\n".join(printable(f"{name}: {value}") for name, value in summary.items())
 
 
 def _file(file: Path) -> list[dict[str, Any]]:

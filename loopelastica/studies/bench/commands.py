@@ -5,11 +5,17 @@ from typing import Annotated
 
 import typer
 
+from loopelastica._names import printable
+
 bench = typer.Typer(help="Measure the solvers; write tables and pictures.", no_args_is_help=True)
 
 _RESULTS = Path("loopelastica-bench")
 _Out = Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")]
 _Seed = Annotated[int, typer.Option(help="Seed of the random rods and poses.")]
+
+
+def _say_where(out: Path) -> None:
+    typer.echo(printable(f"written to {out}"))
 
 
 @bench.command("paper")
@@ -25,7 +31,7 @@ def bench_paper(
     from loopelastica.studies.bench.paper import run
 
     run(out, full=full, sample=sample, progress=True, own_full=own_full)
-    typer.echo(f"written to {out}")
+    _say_where(out)
 
 
 @bench.command("atoms")
@@ -40,7 +46,7 @@ def bench_atoms(
     from loopelastica.studies.bench.atoms import run
 
     typer.echo(run(folder, out, sample=sample, progress=True))
-    typer.echo(f"written to {out}")
+    _say_where(out)
 
 
 @bench.command("stability")
@@ -53,7 +59,7 @@ def bench_stability(
     from loopelastica.studies.bench.stability import run
 
     run(out, full=full, seed=seed, progress=True)
-    typer.echo(f"written to {out}")
+    _say_where(out)
 
 
 @bench.command("accuracy")
@@ -69,9 +75,9 @@ def bench_accuracy(
     try:
         run(out, full=full, seed=seed, progress=True)
     except MissingDependencyError as error:
-        typer.echo(str(error), err=True)
+        typer.echo(printable(str(error)), err=True)
         raise typer.Exit(1) from None
-    typer.echo(f"written to {out}")
+    _say_where(out)
 
 
 @bench.command("scaling")
@@ -84,4 +90,4 @@ def bench_scaling(
     from loopelastica.studies.bench.scaling import run
 
     run(out, full=full, seed=seed, progress=True)
-    typer.echo(f"written to {out}")
+    _say_where(out)

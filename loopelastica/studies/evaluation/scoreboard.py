@@ -1,11 +1,13 @@
 """From the rows of all loops to the scoreboard: CSV, markdown and pictures."""
 
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from loopelastica._files import write_csv, write_text
+from loopelastica._names import printable
 from loopelastica.batch.run import Run, run, tasks_of
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.evaluation.loops import COLUMNS, EVALUATION
@@ -143,13 +145,18 @@ def scoreboard(rows: list[dict[str, Any]], failures: tuple[str, ...] = ()) -> st
     ]
     for name, members in table.items():
         cells = [_median_90([row[m] for row in members]) for m in METHODS]
-        lines.append(f"| {name} ({len(members)}) | " + " | ".join(cells) + " |")
+        lines.append(f"| {_plain(name)} ({len(members)}) | " + " | ".join(cells) + " |")
     lines += ["", "## Where something simpler is better", "", *_defeats(table)]
     lines += ["", "## Paired differences, rule minus other", "", *_paired(rows)]
-    lines += ["", "## What failed", "", *(f"- {sentence}" for sentence in failures)]
+    lines += ["", "## What failed", "", *(f"- {_plain(sentence)}" for sentence in failures)]
     if not failures:
         lines.append("Nothing.")
     return "\n".join(lines) + "\n"
+
+
+def _plain(text: str) -> str:
+    """A name or a sentence in which nothing is taken for markdown or HTML."""
+    return re.sub(r"([\\`*\[\]<>&|$])", r"\\\1", printable(text))
 
 
 def _median_90(values: list[float | None]) -> str:
@@ -172,7 +179,7 @@ def _defeats(table: dict[str, list[dict[str, Any]]]) -> list[str]:
                 if theirs < ours:
                     better.append(f"{METHODS[rival]} ({theirs:.2f} against {ours:.2f} Å)")
         if better:
-            lines.append(f"- {name}: {', '.join(better)}.")
+            lines.append(f"- {_plain(name)}: {', '.join(better)}.")
     return lines or ["Nowhere in these sets."]
 
 
