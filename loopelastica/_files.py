@@ -6,15 +6,15 @@ that a reader never meets half of it. Nothing is removed that the program did no
 
 import csv
 import errno
+import filecmp
 import hashlib
 import json
 import os
 import re
-import shutil
 import tempfile
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Final, Literal, TextIO
 
@@ -82,13 +82,21 @@ def whole_folder(path: Path, manifest: str) -> Iterator[Path]:
     part = path.with_name(f".{path.name}.part")
     with _locked(path, part):
         try:
-            for left in part.iterdir():
-                if left.name != NOTE:
-                    left.unlink()
+            _clear(part)
             yield part
             _move(part, path, manifest)
         finally:
-            shutil.rmtree(part, ignore_errors=True)
+            # the mark last: without it nobody could say whose the folder is
+            with suppress(OSError):
+                _clear(part)
+                (part / NOTE).unlink()
+                part.rmdir()
+
+
+def _clear(part: Path) -> None:
+    for left in part.iterdir():
+        if left.name != NOTE:
+            left.unlink()
 
 
 @contextmanager
@@ -122,19 +130,32 @@ def _move(part: Path, path: Path, manifest: str) -> None:
         former = own_files(path, manifest)
         for name in sorted(new):
             place = path / name
-            is_folder = place.is_dir() and not place.is_symlink()
-            if is_folder or (os.path.lexists(place) and name not in former):
+            free = not os.path.lexists(place) or (name in former and not _is_folder(place))
+            if not free and not _is_same(part / name, place):
                 sentence = "not written by this program, and a result needs its name"
                 raise _taken(place, f"{sentence}; move it away, or choose another folder")
-        write_json(path / NOTE, {"program": PROGRAM, "files": sorted(former | new)})
+        note = part / f"{NOTE}.json"
+        write_json(note, {"program": PROGRAM, "files": sorted(former | new)})
+        note.replace(path / NOTE)
         (path / manifest).unlink(missing_ok=True)
         for name in former - new:
-            if not (path / name).is_dir() or (path / name).is_symlink():
+            if not _is_folder(path / name):
                 (path / name).unlink(missing_ok=True)
         for name in sorted(new - {manifest}):
             (part / name).replace(path / name)
         (part / manifest).replace(path / manifest)
     (path / NOTE).unlink(missing_ok=True)
+
+
+def _is_folder(place: Path) -> bool:
+    return place.is_dir() and not place.is_symlink()
+
+
+def _is_same(file: Path, place: Path) -> bool:
+    """Whether nothing is lost where a file takes the place of what is there."""
+    if file.is_symlink() or not place.is_file() or place.is_symlink():
+        return False
+    return filecmp.cmp(file, place, shallow=False)
 
 
 def own_files(path: Path, manifest: str) -> set[str]:

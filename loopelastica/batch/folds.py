@@ -44,7 +44,7 @@ def fold_file(task: Task) -> Record:
             continue
         folder = folders.claim(source, loop)
         try:
-            record["came_from"] = write_fold(folder, source, loop, structure, plot=plot)
+            record["folder_key"] = write_fold(folder, source, loop, structure, plot=plot)
         except FileExistsError as error:
             failures.append(f"{error.filename}: {error.strerror}")
             record["refused"] = True
@@ -85,9 +85,9 @@ def loop_rows(source: Path, loop: LoopFold) -> list[dict[str, Any]]:
 
 def _results_are_there(task: Task, record: Record) -> bool:
     """Whether the folders still hold this result; a refused one is tried again."""
-    folders = {row["folder"] for row in record["rows"]}
+    folders, key = {row["folder"] for row in record["rows"]}, record.get("folder_key")
     return "refused" not in record and all(
-        is_there(Path(task.out) / folder, record["came_from"]) for folder in folders
+        key is not None and is_there(Path(task.out) / folder, key) for folder in folders
     )
 
 

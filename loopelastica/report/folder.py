@@ -23,13 +23,15 @@ from loopelastica.report.pdb import (
     renamed_records,
 )
 from loopelastica.report.plots import plot_fold
-from loopelastica.report.records import candidate_row, line, loop_row, origin, ranking
-from loopelastica.report.viewers import shown_file, write_chimerax, write_pymol
+from loopelastica.report.records import candidate_row, line, loop_row, ranking
+from loopelastica.report.viewers import path_from, shown_file, write_chimerax, write_pymol
 
 if TYPE_CHECKING:
     from loopelastica.report.atoms import LoopAtoms
 
 MANIFEST: Final = "ranking.json"
+_KEY: Final = ("version", "input", "parameters", "written")
+"""Entries of the manifest that determine all else: the folder's key."""
 
 
 class Folders:
@@ -102,16 +104,13 @@ def write_fold(
     Returns
     -------
     dict
-        What the files came from, for :func:`is_there`.
+        The key of the folder, for :func:`is_there`: content of the input, options, version.
 
     Raises
     ------
     FileExistsError
         If the folder cannot be written without harm to what is there.
     """
-    built = None if atoms is None else {"contact": atoms.contact}
-    written = {"plot": plot, "whole": whole is not None, "atoms": built}
-    came_from = origin(path, source, fold.parameters, written)
     chains = structure.nucleotides.chain.tolist()
     letter = one_letter_chains(chains)[fold.hairpin.chain]
     rows = [
@@ -122,6 +121,7 @@ def write_fold(
         write_csv(part / "ranking.csv", rows)
         write_csv(part / "line.csv", _line_rows(fold))
         _write_traces(part / "traces.pdb", fold, structure, letter)
+        seen = path_from(path, source) if isinstance(source, Path) else None
         if isinstance(source, Path):
             # a PDB file has no longer chain names: there they are those of segments
             chain = fold.hairpin.chain
@@ -138,20 +138,24 @@ def write_fold(
         if plot:
             sticks = None if atoms is None else atoms.sticks(1)
             plot_fold(fold, part / "plot.png", title=path.name, sticks=sticks)
-        content = ranking(came_from, fold, structure.remarks)
+        content = ranking(source, fold, structure.remarks)
+        built = None if atoms is None else {"contact": atoms.contact}
+        content["written"] = {
+            "path": seen, "plot": plot, "whole": whole is not None, "atoms": built
+        }  # fmt: skip
         files = {MANIFEST, *(entry.name for entry in part.iterdir() if entry.name != NOTE)}
         write_json(part / MANIFEST, {**content, "files": sorted(files)})
-    return came_from
+    return {name: content[name] for name in _KEY}
 
 
-def is_there(path: Path, came_from: Mapping[str, Any]) -> bool:
+def is_there(path: Path, key: Mapping[str, Any]) -> bool:
     """Whether a folder holds the whole result of one input and one set of options.
 
     Parameters
     ----------
     path : Path
         The folder.
-    came_from : mapping
+    key : mapping
         As `write_fold` has returned it.
 
     Returns
@@ -161,7 +165,7 @@ def is_there(path: Path, came_from: Mapping[str, Any]) -> bool:
     manifest = read_manifest(path / MANIFEST)
     return (
         bool(manifest)
-        and all(manifest.get(name) == value for name, value in came_from.items())
+        and all(manifest.get(name) == value for name, value in key.items())
         and all(os.path.lexists(path / name) for name in manifest["files"])
     )
 

@@ -1,9 +1,7 @@
 """What is recorded of a folded loop: rows of tables, the content of JSON files, its dense line."""
 
-import hashlib
 import math
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -70,15 +68,13 @@ def loop_row(fold: LoopFold) -> dict[str, Any]:
     }
 
 
-def ranking(
-    origin: Mapping[str, Any], fold: LoopFold, remarks: Sequence[str] = ()
-) -> dict[str, Any]:
+def ranking(source: Path | str, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[str, Any]:
     """The content of ranking.json: all that is needed to repeat and to judge the result.
 
     Parameters
     ----------
-    origin : mapping
-        What it came from, of :func:`origin`.
+    source : Path or str
+        The file that was folded, or the sequence the hairpin was built from.
     fold : LoopFold
         What came out.
     remarks : sequence of str
@@ -99,13 +95,17 @@ def ranking(
     given = fold.options.length_per_nucleotide_A is not None
     default = f"default for {fold.hairpin.kind}"
     return {
-        **origin,
+        **program(),
         "libraries": {name: version(name) for name in ("numpy", "scipy", "numba", "MDAnalysis")},
+        "input": {"file": source.name, "sha256": sha256(source)}
+        if isinstance(source, Path)
+        else {"sequence": source},
         "hairpin": {
             **about(fold.hairpin),
             "stem_pairs": fold.hairpin.n_pairs,
             **partners(fold.hairpin),
         },
+        "parameters": fold.parameters,
         "length": {
             "length_A": fold.length_A,
             "nucleotides": fold.ends.n_free,
@@ -141,52 +141,6 @@ def ranking(
 def program() -> dict[str, str]:
     """Name and version of the program, the head of every JSON file."""
     return {"program": PROGRAM, "version": __version__}
-
-
-def origin(
-    folder: Path, source: Path | str, options: Mapping[str, object], written: Mapping[str, object]
-) -> dict[str, Any]:
-    """All that determines the files of a folder: the key that it carries in ranking.json.
-
-    Parameters
-    ----------
-    folder : Path
-        Where they go.
-    source : Path or str
-        The file that was folded, or the sequence the hairpin was built from.
-    options : mapping
-        Options of the fold, JSON-ready.
-    written : mapping
-        What is written beside the tables, JSON-ready.
-
-    Returns
-    -------
-    dict
-        JSON-ready; the path of the file is the one from the folder.
-    """
-    if isinstance(source, Path):
-        name = {"file": source.name, "path": path_from(folder, source), "sha256": sha256(source)}
-    else:
-        name = {"sequence": source, "sha256": hashlib.sha256(source.encode()).hexdigest()}
-    return {**program(), "input": name, "parameters": dict(options), "written": dict(written)}
-
-
-def path_from(folder: Path, file: Path) -> str:
-    """Path of a file as seen from a folder, so that both can be moved together.
-
-    Parameters
-    ----------
-    folder, file : Path
-
-    Returns
-    -------
-    str
-        With forward slashes; absolute where the two are on different drives.
-    """
-    try:
-        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
-    except ValueError:
-        return file.resolve().as_posix()
 
 
 def about(hairpin: Hairpin) -> dict[str, Any]:

@@ -4,6 +4,7 @@ Both programs take parts of a name for commands: a semicolon, a line feed, a quo
 of itself therefore stands in a script only where it is made of harmless characters.
 """
 
+import os
 import re
 import shutil
 from pathlib import Path
@@ -12,7 +13,6 @@ from loopelastica._files import write_text
 from loopelastica._names import safe_name
 from loopelastica._version import __version__
 from loopelastica.folding.result import LoopFold
-from loopelastica.report.records import path_from
 
 # The first ten colours of matplotlib, so that plot.png and the scripts agree.
 _COLOURS = ("1f77b4", "ff7f0e", "2ca02c", "d62728", "9467bd",
@@ -157,3 +157,21 @@ def shown_file(folder: Path, source: Path) -> str:
     except OSError:
         shutil.copyfile(source, folder / name)
     return name
+
+
+def path_from(folder: Path, file: Path) -> str:
+    """Path of a file as seen from a folder, so that both can be moved together.
+
+    Parameters
+    ----------
+    folder, file : Path
+
+    Returns
+    -------
+    str
+        With forward slashes; absolute where the two are on different drives.
+    """
+    try:
+        return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()
+    except ValueError:
+        return file.resolve().as_posix()
