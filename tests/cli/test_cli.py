@@ -4,6 +4,7 @@ import csv
 import gzip
 import hashlib
 import json
+import os
 import subprocess
 import sys
 import warnings
@@ -344,3 +345,113 @@ def test_hairpins_says_which_loops_cannot_be_clamped(tmp_path, koc_lines):
     assert result.exit_code == 0
     sentence = "note: A.G10: no P, O5' and C5' atoms; its stem frame cannot be placed"
     assert sentence in result.output.splitlines()
+
+
+def model_1(path):
+    """The first model of 2KOC under another name."""
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(HAIRPIN.read_text().split("ENDMDL")[0] + "ENDMDL\nEND\n")
+    return path
+
+
+@pytest.mark.parametrize("chain", ["/../../", "/..", "..", "a b", "a\nb", "=1+1", "[/]", "$x"])
+def test_a_chain_of_any_name_is_folded_inside_the_folder_of_results(tmp_path, write_cif, chain):
+    pytest.importorskip("gemmi")
+    file, out = write_cif(tmp_path / "x.cif", chain), tmp_path / "a" / "out"
+    theirs = [tmp_path / "6-9", tmp_path / "a" / "6-9", out / "6-9", out / "x_", out / ".x_.old"]
+    for folder in theirs:
+        folder.mkdir(parents=True)
+        (folder / "notes").write_text("mine")
+    before = {path for path in tmp_path.rglob("*") if not path.is_relative_to(out)}
+    result = run("fold", file, "-o", out)
+    assert result.exit_code == 0, result.output
+    assert {path for path in tmp_path.rglob("*") if not path.is_relative_to(out)} == before
+    assert all((folder / "notes").read_text() == "mine" for folder in theirs)
+    (folder,) = (path.parent for path in out.glob("*/ranking.json"))
+    assert folder.parent == out
+    assert json.loads((folder / "ranking.json").read_text())["hairpin"]["chain"] == chain
+    with (folder / "ranking.csv").open() as table:
+        row = next(csv.DictReader(table))
+    assert row["chain"] == {"=1+1": "'=1+1", "a\nb": "a\\nb"}.get(chain, chain)
+
+
+def test_a_second_run_keeps_what_a_user_put_beside_the_results(tmp_path):
+    out, folder = tmp_path / "out", tmp_path / "out" / "a_A6-9"
+    file = model_1(tmp_path / "a.pdb")
+    assert run("fold", file, "-o", out).exit_code == 0
+    (folder / "notes.txt").write_text("mine")
+    assert run("fold", file, "-o", out, "--no-plot").exit_code == 0
+    assert (folder / "notes.txt").read_text() == "mine"
+    assert not (folder / "plot.png").exists()
+
+
+@pytest.mark.parametrize("many", [(), ("--jobs", "1")])
+def test_a_folder_that_cannot_be_written_is_a_sentence_and_the_others_are_written(tmp_path, many):
+    out, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "notes").write_text("mine")
+    (out / "b_A6-9").mkdir(parents=True)
+    (out / "b_A6-9" / "ranking.csv").write_text("mine")
+    (out / "a_A6-9").symlink_to(elsewhere)
+    files = [model_1(tmp_path / f"{name}.pdb") for name in "abc"]
+    result = run("fold", *files, "-o", out, "--no-plot", *many)
+    assert result.exit_code == 1
+    sentences = [line for line in result.stderr.splitlines() if str(out) in line]
+    assert len(sentences) == 2, result.stderr
+    assert "a_A6-9: this is a symbolic link" in sentences[0]
+    assert "b_A6-9/ranking.csv: not written by this program" in sentences[1]
+    assert [path.name for path in elsewhere.iterdir()] == ["notes"]
+    assert [path.name for path in (out / "b_A6-9").iterdir()] == ["ranking.csv"]
+    assert (out / "c_A6-9" / "ranking.json").is_file()
+    assert not list(out.glob(".*.part"))
+
+
+def test_build_leaves_a_folder_of_somebody_else_alone(tmp_path):
+    (tmp_path / "GGCACUUCGGUGCC_A6-9").mkdir()
+    (tmp_path / "GGCACUUCGGUGCC_A6-9" / "atoms.pdb").write_text("mine")
+    result = run("build", "GGCAC(UUCG)GUGCC", "--rna", "-o", tmp_path, "--candidates", "1")
+    assert result.exit_code == 1
+    assert "atoms.pdb: not written by this program" in result.stderr
+    assert (tmp_path / "GGCACUUCGGUGCC_A6-9" / "atoms.pdb").read_text() == "mine"
+    assert [path.name for path in tmp_path.rglob("*.pdb")] == ["atoms.pdb"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "semi;system touch X;.pdb",
+        "a,b.pdb",
+        "a\nb.pdb",
+        "$x.pdb",
+        "[red].pdb",
+        "=1+1.pdb",
+        b"\xff.pdb",
+    ],
+)
+def test_a_file_of_any_name_is_folded_with_all_its_pictures_and_scripts(tmp_path, name):
+    file = model_1(tmp_path / os.fsdecode(name))
+    result = run("fold", file, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    (folder,) = (path.parent for path in (tmp_path / "out").glob("*/plot.png"))
+    content = json.loads((folder / "ranking.json").read_text())
+    assert content["input"]["file"] == file.name
+    assert "system" not in (folder / "view.pml").read_text()
+    # and again: what is there is the program's own
+    assert run("fold", file, "-o", tmp_path / "out").exit_code == 0
+
+
+@pytest.mark.parametrize("command", ["fold", "hairpins", "scan"])
+def test_a_refusal_is_one_line_whatever_the_name(tmp_path, command):
+    (tmp_path / "a\nb[red].pdb").write_text("nothing\n")
+    out = ("-o", tmp_path / "out") if command == "fold" else ()
+    result = run(command, tmp_path / "a\nb[red].pdb", *out)
+    assert result.exit_code == 1
+    (sentence,) = result.stderr.splitlines()
+    assert r"a\nb[red].pdb" in sentence
+
+
+def test_hairpins_shows_a_chain_of_any_name(tmp_path, write_cif):
+    pytest.importorskip("gemmi")
+    result = run("hairpins", write_cif(tmp_path / "x.cif", "[/]\nb"))
+    assert result.exit_code == 0, result.output
+    assert r">[/]\nb 1-14" in result.output

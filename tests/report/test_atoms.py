@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from rdkit import Chem
 
+import loopelastica as le
 from loopelastica._files import data_path
 from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.report.atoms import LoopAtoms, write_atoms, write_pdb
@@ -132,3 +133,21 @@ def test_water_within_3_A_of_the_loop_gives_way(atoms, koc_lines, tmp_path, dist
     wet = read_structure(path)
     write_pdb(tmp_path / "atoms.pdb", LoopAtoms(wet, atoms.fold, (model,), wet.positions(0)))
     assert ("HOH" in (tmp_path / "atoms.pdb").read_text()) == stays
+
+
+def test_no_name_of_a_chain_or_a_residue_breaks_a_record(tmp_path, write_cif):
+    gemmi = pytest.importorskip("gemmi")
+    structure = read_structure(write_cif(tmp_path / "odd.cif", "a\nb"))
+    residues = structure.universe.residues
+    residues[0].resname = "G\nX"
+    (fold,) = le.fold(structure, all_models=False, max_candidates=1)
+    (model,) = le.build_atoms(structure, fold)
+    write_atoms(tmp_path, LoopAtoms(structure, fold, (model,), structure.positions(0)))
+    known = ("ATOM  ", "HEADER", "TITLE ", "REMARK", "CRYST1", "MODEL ", "ENDMDL", "CONECT", "END")
+    lines = (tmp_path / "atoms.pdb").read_text(encoding="ascii").splitlines()
+    assert all(line.startswith((*known, "TER")) for line in lines)
+    assert {line[17:21].strip() for line in records(tmp_path / "atoms.pdb")} == {"G_X", *"ACGU"}
+    text = (tmp_path / "atoms.cif").read_text()
+    assert [s for s in text.splitlines() if s.startswith("data_")] == ["data_atoms"]
+    assert len(gemmi.cif.read_string(text)) == 1
+    assert (tmp_path / "loop.sdf").read_text().count("$$$$") == 1

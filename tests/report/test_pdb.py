@@ -1,5 +1,6 @@
 """The whole structure with the trace in place."""
 
+import dataclasses
 import gzip
 import json
 import warnings
@@ -10,7 +11,7 @@ import pytest
 import loopelastica as le
 from loopelastica._files import data_path
 from loopelastica.molecule.nucleotides import read_structure
-from loopelastica.report.pdb import WholeStructure, bond_records, one_letter_chains
+from loopelastica.report.pdb import WholeStructure, bond_records, one_letter_chains, point_records
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
 
@@ -177,3 +178,37 @@ def test_a_universe_is_written_at_its_frame(tmp_path, koc_lines):
 def test_points_are_joined_up_to_the_last_serial_number_of_the_format():
     assert bond_records(99_997, 3) == ["CONECT9999799998", "CONECT9999899999"]
     assert bond_records(99_998, 3) == []
+
+
+@pytest.mark.parametrize("chain", ["a\nb", "/../../", "a b", "=1+1", "x" * 7, "ab\tcd"])
+def test_no_name_of_a_chain_breaks_a_record(tmp_path, written, write_cif, chain):
+    pytest.importorskip("gemmi")
+    folder, fold = written(write_cif(tmp_path / "odd.cif", chain), tmp_path)
+    assert fold.hairpin.chain == chain
+    for name in ("traces.pdb", "whole.pdb"):
+        text = (folder / name).read_text(encoding="utf-8")
+        known = ("ATOM  ", "REMARK", "MODEL ", "ENDMDL", "CONECT", "TER", "END", "CRYST1")
+        assert all(line.startswith(known) for line in text.splitlines())
+        assert {len(line) for line in atoms(text)} <= {78, 80}
+        assert {line[21] for line in atoms(text)} == {"A"}
+
+
+@pytest.mark.parametrize("letter", ["\n", "é", "\t"])
+def test_a_letter_that_the_pdb_format_cannot_hold_is_another_one(letter):
+    assert one_letter_chains([letter, "A"]) == {letter: "B", "A": "A"}
+
+
+def test_names_of_residues_and_insertion_codes_keep_their_columns(koc, fold):
+    names = koc.nucleotides.resname.astype("<U8")
+    names[fold.hairpin.loop] = ["a\nb", "U C", "é", "ABCD"]
+    table = dataclasses.replace(koc.nucleotides, resname=names)
+    icode = fold.hairpin.icode.astype("<U8")
+    icode[:2] = ["\n", "AB"]
+    loop = dataclasses.replace(fold, hairpin=dataclasses.replace(fold.hairpin, icode=icode))
+    structure = dataclasses.replace(koc, nucleotides=table)
+    records = point_records(loop, structure, fold.candidates[0].trace, "A", 1, 1)
+    assert [s[17:20] for s in records] == ["a_b", "U_C", "  _", "ABC"]
+    assert [s[26] for s in records] == ["_", "A", " ", " "]
+    np.testing.assert_allclose(
+        [float(s[30:38]) for s in records], fold.candidates[0].trace[:, 0], atol=1e-3
+    )

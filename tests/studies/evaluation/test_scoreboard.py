@@ -136,3 +136,9 @@ def test_a_cell_holds_median_and_ninetieth_percentile_of_what_there_is():
     assert _median_90(list(range(11))) == "5.00 / 9.00"
     assert _median_90([2.0, None]) == "2.00 / 2.00 (1)"
     assert _median_90([None]) == "–"
+
+
+def test_no_sentence_is_taken_for_markdown():
+    text = scoreboard([], ("a|b<i>[x](y)*`.pdb: bad", "two\nlines.pdb: bad"))
+    assert r"- a\|b\<i\>\[x\](y)\*\`.pdb: bad" in text.splitlines()
+    assert "- two\\\\nlines.pdb: bad" in text.splitlines()
