@@ -32,6 +32,7 @@ ABOUT = {
     "rod": "equilibria of a rod",
     "errors": "three exceptions",
     "_files": "write whole or not",
+    "_names": "names made harmless",
     "_arrays": "read-only arrays",
     "_checks": "checks of arguments",
     "_version": "the version",

@@ -60,7 +60,8 @@ class Journal:
         line = json.dumps({"key": key, **record}, allow_nan=False, ensure_ascii=False) + "\n"
         with self.path.open("ab") as file:
             begin = file.tell()
-            file.write(line.encode())
+            # of a file name that is no UTF-8 an escape is left, which JSON reads back
+            file.write(line.encode(errors="backslashreplace"))
             file.flush()
             os.fsync(file.fileno())
         self._begins[key] = begin

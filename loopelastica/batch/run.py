@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from loopelastica._files import whole_file, write_csv
+from loopelastica._files import cells, whole_file, write_csv
 from loopelastica._names import safe_stem
 from loopelastica._version import __version__
 from loopelastica.batch.journal import Journal, Record
@@ -188,7 +188,7 @@ def run(
                 continue  # not in the journal: the next run tries it again
             record = outcome.value or {"rows": [], "failures": [outcome.failure]}
             journal.add(outcome.task.key, {"file": outcome.task.source, **record})
-            writer.writerows(record["rows"])
+            writer.writerows(cells(row) for row in record["rows"])
             file.flush()
     n_rows = _write_rows(table, work.columns, journal.records(keys))
     failures = [

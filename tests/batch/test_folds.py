@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 
 import pytest
 
@@ -122,11 +123,15 @@ def test_hidden_folders_of_a_user_are_left_alone(tmp_path, fold_all):
     assert kept == [".[a]_A6-9.x", ".a_A6-9.old"]
 
 
-@pytest.mark.parametrize("name", ["=1+1.pdb", "a\nb.pdb", "semi;system touch X;.pdb"])
+@pytest.mark.parametrize(
+    "name", ["=1+1.pdb", "a\nb.pdb", "semi;system touch X;.pdb", os.fsdecode(b"\xff.pdb")]
+)
 def test_a_name_breaks_no_row_of_the_table(tmp_path, fold_all, name):
     (tmp_path / name).write_text(TEXT)
     fold_all(tmp_path / name)
     with (tmp_path / "out" / "candidates.csv").open() as file:
         (row,) = csv.DictReader(file)
-    assert row["file"] == {"=1+1.pdb": "'=1+1.pdb", "a\nb.pdb": "a\\nb.pdb"}.get(name, name)
+    shown = {"=1+1.pdb": "'=1+1.pdb", "a\nb.pdb": "a\\nb.pdb", "\udcff.pdb": "\\udcff.pdb"}
+    assert row["file"] == shown.get(name, name)
     assert (tmp_path / "out" / row["folder"] / "ranking.json").is_file()
+    assert fold_all(tmp_path / name).n_resumed == 1
