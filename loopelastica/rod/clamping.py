@@ -195,6 +195,12 @@ class Clamping(Record):
         across = max(np.abs(self.position[:2]).max(), np.abs(self.rotation[:2, 2]).max())
         return bool(across < 1e-9 and self.rotation[2, 2] > 0)
 
+    @property
+    def closed(self) -> bool:
+        """Whether both ends are one point with one tangent: the rod is a closed curve."""
+        across = max(np.abs(self.position).max(), np.abs(self.rotation[:2, 2]).max())
+        return bool(across < 1e-9 and self.rotation[2, 2] > 0)
+
     def turned(self, angle: float) -> "Clamping":
         """The same rod seen from a start frame turned about its tangent (eq. 15–16).
 

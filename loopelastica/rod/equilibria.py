@@ -1,8 +1,8 @@
 """All equilibria of a clamping that many starts can find.
 
-Two kinds of starts take turns. The structured ones of ``multistart`` (whole turns, sides, bows,
-half waves) mostly end in minima; Newton's method from the nearest rods of the guess library
-(``_library``) finds saddles as well.
+What ``solve`` finds is always among them. Then two kinds of starts take turns. The structured ones
+of ``multistart`` (whole turns, sides, bows, half waves) mostly end in minima; Newton's method from
+the nearest rods of the guess library (``_library``) finds saddles as well.
 What they lead to is compared at nine points along the rod: two results are one equilibrium if
 positions and frames agree within `SAME`. Where both ends lie on one line the rod can be turned
 about it at no cost, and two results are one if they agree after such a turn.
@@ -156,7 +156,7 @@ def equilibria(
         would end the search too early.
     turns : int, optional
         List only rods with that many whole turns (:attr:`Equilibrium.turns`), and start from ends
-        wound up that far, beyond half a turn too.
+        wound up that far, beyond half a turn too. Not with a free end spin.
     tolerance : float
         Largest residual of an equilibrium that is listed.
     time_limit_s : float, optional
@@ -172,7 +172,7 @@ def equilibria(
     Raises
     ------
     ValueError
-        As for :func:`solve`, and if `rounds` is not 1 to 4.
+        As for :func:`solve`, if `rounds` is not 1 to 4, and for `turns` of a free end spin.
 
     Examples
     --------
@@ -184,17 +184,22 @@ def equilibria(
     deadline = Deadline(time_limit_s)
     energy_max = optional(positive)("energy_max", energy_max)
     rounds, turns = optional(whole(1))("rounds", rounds), optional(whole(-1000))("turns", turns)
+    if turns is not None and clamping.free_spin:
+        raise ValueError("`turns` are those of an end with a fixed spin; `free_spin` leaves none")
     if rounds is not None and rounds > len(_ROUNDS):
         raise ValueError(f"`rounds` is {rounds}; it must be 1 to {len(_ROUNDS)}")
     stretched = straight(clamping, torsion_ratio)
     if stretched is not None:
         return _result([_Found(stretched, 2)], energy_max, 1)
+    # no list may call a rod the lowest that `solve` undercuts
     found: list[_Found] = []
+    lowest = solve(clamping, torsion_ratio, tolerance=tolerance, time_limit_s=time_limit_s)
+    _merge(found, lowest)
     planned = (_FREE_ROUNDS if clamping.free_spin else _ROUNDS)[:rounds]
-    if turns is not None and not clamping.free_spin:
+    if turns is not None:
         planned = ((_both((turns + 0.0, turns + 1.0, turns - 1.0)), 0), *planned)
     guesses = _stored(clamping, torsion_ratio, sum(count for _, count in planned))
-    starts = used = 0
+    starts, used = 1, 0
     for number, (everything, count) in enumerate(planned, start=1):
         ways = _ways(clamping, torsion_ratio, everything, guesses[used : used + count], tolerance)
         used += count
@@ -203,8 +208,6 @@ def equilibria(
             starts += 1
             if deadline.passed:
                 break
-        if not found and not deadline.passed:
-            _merge(found, solve(clamping, torsion_ratio, lowest=False, tolerance=tolerance))
         chosen = [f for f in found if turns is None or f.rod.turns == turns]
         result = _result(chosen, energy_max, starts, deadline.passed)
         if deadline.passed or (number >= 2 and result.unseen < UNSEEN):

@@ -21,8 +21,8 @@ from loopelastica.rod.kernels.records import LAYERS, Method, Status
 if TYPE_CHECKING:
     from loopelastica.rod.parameters import PhysicalParameters
 
-# points that fix the integer of the net winding
-_WINDING_POINTS = 401
+# ends nearer than this are one point
+_ONE_POINT = 1e-9
 
 # steps per radian of turning when a solution is drawn: 1e-12 over unit length
 _DENSITY = 4.0
@@ -128,20 +128,33 @@ class Equilibrium(Record):
         return float(self.loads[5] / self.torsion_ratio / math.tau)
 
     @property
-    def net_winding(self) -> float:
-        """Net winding Lp of eq. 43 (Berger & Prior 2006), in turns: twist plus polar writhe.
+    def net_winding(self) -> float | None:
+        """Net winding of eq. 43 (Berger & Prior 2006), in turns: twist plus writhe.
 
-        The direction is the one half way between both end tangents; see :mod:`.writhe`.
+        For a rod that is closed with one tangent the writhe is Gauss's integral, and with closed
+        frames this is the linking number Lk. None where the rod passes through itself, or where
+        its ends meet in a corner. See :mod:`.writhe`.
         """
+        from loopelastica.rod._contact import winding_points
         from loopelastica.rod.writhe import net_winding
 
-        n = _WINDING_POINTS
-        return net_winding(self.centerline(n), self.frames(n), turns=self.twist)
+        corner = np.abs(self.clamping.position).max() < _ONE_POINT and not self.clamping.closed
+        if corner or not self.converged:
+            return None
+        s = winding_points(self)
+        if s is None:
+            return None
+        return net_winding(self.centerline(s), self.frames(s), turns=self.twist)
 
     @property
-    def turns(self) -> int:
-        """Whole turns of the net winding: the equilibria of a clamping are integers apart in it."""
-        return round(self.net_winding)
+    def turns(self) -> int | None:
+        """Whole turns of the net winding: the equilibria of a clamping are integers apart in it.
+
+        None where the net winding is, and with a free end spin, which fixes no turns.
+        """
+        winding = None if self.clamping.free_spin else self.net_winding
+        # half a turn, which rounding would put on either side, counts upwards
+        return None if winding is None else math.floor(winding + 0.5 + 1e-9)
 
     @property
     def family(self) -> bool:
@@ -149,9 +162,13 @@ class Equilibrium(Record):
         return self.clamping.on_one_line and self.method != Method.STRAIGHT
 
     @property
-    def writhe(self) -> float:
-        """Polar writhe of eq. 43, in turns: the net winding less the twist."""
-        return self.net_winding - self.twist
+    def writhe(self) -> float | None:
+        """Writhe, in turns: the net winding less the twist.
+
+        The polar writhe of eq. 43, or Gauss's integral for a closed rod; None where that is.
+        """
+        winding = self.net_winding
+        return None if winding is None else winding - self.twist
 
     @property
     def physical(self) -> "PhysicalParameters | None":

@@ -28,6 +28,15 @@ through some hundred points of the rod is enough to choose the integer. A polygo
 in closed form: spherical triangles for the local part, one arc tangent for each pair of edges of
 overlapping heights for the other.
 
+Closed rods. Where both ends meet with one tangent there is no plane to come from, and the writhe is
+Gauss's integral of the closed curve with itself. With the frames closed too, twist + writhe is the
+linking number Lk of the ribbon (G. Călugăreanu 1961, J. H. White 1969); else it differs from an
+integer by the angle between the two frames.
+
+Undefined. A rod that passes through itself is between two integers: Gauss's integral jumps by 2
+there. Nothing is returned then (None), nor where the ends meet in a corner, for which no line comes
+in and none goes out.
+
 Legend: e direction, u edge directions of the polygon; all results are in turns.
 """
 
@@ -42,6 +51,9 @@ from loopelastica._arrays import Array
 from loopelastica.rod.kernels import polygon
 
 __all__ = ["net_winding", "polar_writhe", "twist", "writhe"]
+
+# ends nearer than this are one point; tangents, one tangent
+_ONE = 1e-9
 
 
 def _rows(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
@@ -153,12 +165,13 @@ def polar_writhe(points: ArrayLike, tangents: ArrayLike, direction: ArrayLike) -
 
 
 def writhe(points: ArrayLike) -> float:
-    """Writhe of an open polygon: its Gauss integral with itself, in turns.
+    """Writhe of a polygon: its Gauss integral with itself, in turns.
 
     Parameters
     ----------
     points : (n, 3) array_like
-        Vertices. No straight lines are added to the ends.
+        Vertices. No straight lines are added to the ends. The polygon is closed where the last
+        vertex is the first.
 
     Returns
     -------
@@ -175,7 +188,17 @@ def writhe(points: ArrayLike) -> float:
     >>> print(round(writhe([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0.5, 0.5, 1], [0.5, -1, 0.2]]), 4))
     0.4277
     """
-    return float(polygon.gauss_integral(_rows(points, (3,), "points")))
+    r = _rows(points, (3,), "points")
+    if _meet(r):
+        # the corner must be one, or the first and the last edge would wind about each other
+        r[-1] = r[0]
+    return float(polygon.gauss_integral(r))
+
+
+def _meet(points: Array) -> bool:
+    """Whether the last point is the first, within what a solver leaves."""
+    length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    return bool(np.linalg.norm(points[-1] - points[0]) <= _ONE * length)
 
 
 def net_winding(
@@ -184,7 +207,10 @@ def net_winding(
     turns: float | None = None,
     direction: ArrayLike | None = None,
 ) -> float:
-    """Net winding of a rod: twist plus polar writhe (eq. 43), exact to rounding.
+    """Net winding of a rod: twist plus writhe (eq. 43), exact to rounding.
+
+    The writhe is the polar one, and that of Gauss's integral for a rod that is closed with one
+    tangent; with closed frames the result is then the linking number.
 
     Parameters
     ----------
@@ -197,12 +223,12 @@ def net_winding(
         The rod's twist in turns where it is given, M3 L/(2π K3); else :func:`twist` of `frames`.
     direction : (3,) array_like, optional
         Normal of the two planes; by default the direction between the end tangents. The module's
-        head says how the rod is continued to the planes.
+        head says how the rod is continued to the planes. Of no effect for a closed rod.
 
     Returns
     -------
     float
-        In turns. Subtract the twist to have the polar writhe.
+        In turns. Subtract the twist to have the writhe.
 
     Raises
     ------
@@ -218,13 +244,14 @@ def net_winding(
     >>> print(round(net_winding(line, frames) * 2 * np.pi, 12))
     9.0
     """
-    r = _rows(frames, (3, 3), "frames")
-    if direction is None:
+    r, line = _rows(frames, (3, 3), "frames"), _rows(points, (3,), "points")
+    closed = _meet(line) and np.linalg.norm(r[-1, :, 2] - r[0, :, 2]) <= _ONE
+    if closed or direction is None:
         between = r[0, :, 2] + r[-1, :, 2]
         direction = between if np.linalg.norm(between) > 1e-6 else r[0, :, 0]
     axes = _axes(direction)
     estimate = twist(r) if turns is None else float(turns)
-    estimate += polar_writhe(points, r[:, :, 2], direction)
+    estimate += writhe(line) if closed else polar_writhe(line, r[:, :, 2], direction)
     ends = []
     for frame in (axes @ r[0], axes @ r[-1]):
         # ψ + φ about the direction, from (1 + cos θ) e^{i(ψ+φ)}

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import loopelastica as le
 from loopelastica.rod import writhe as module
 from loopelastica.rod.parameters import PhysicalParameters
 from loopelastica.rod.writhe import net_winding, polar_writhe, twist, writhe
@@ -168,6 +169,125 @@ def test_writhe_of_a_trefoil_agrees_with_the_gauss_integral():
     assert abs(gauss) > 3
     assert writhe(curve) == pytest.approx(gauss, abs=0.02)
     assert writhe(curve * [1, 1, -1]) == pytest.approx(-writhe(curve))
+
+
+def ring(n=101):
+    s = np.linspace(0, 2 * math.pi, n)
+    points = np.column_stack([np.cos(s), np.sin(s), 0 * s])
+    tangents = np.column_stack([-np.sin(s), np.cos(s), 0 * s])
+    normal = np.tile(Z, (n, 1))
+    return points, np.stack([normal, np.cross(tangents, normal), tangents], axis=2)
+
+
+def spun(frames, turns):
+    angle = 2 * math.pi * turns * np.linspace(0, 1, len(frames))
+    spin = np.zeros((len(frames), 3, 3))
+    spin[:, 0, 0] = spin[:, 1, 1] = np.cos(angle)
+    spin[:, 1, 0], spin[:, 0, 1], spin[:, 2, 2] = np.sin(angle), -np.sin(angle), 1
+    return frames @ spin
+
+
+@pytest.mark.parametrize("turns", [0, 1, -2])
+def test_a_planar_ring_has_no_writhe_and_links_by_its_twist(turns):
+    points, frames = ring()
+    assert writhe(points) == pytest.approx(0, abs=1e-12)
+    assert net_winding(points, spun(frames, turns), turns) == pytest.approx(turns, abs=1e-12)
+    # what closes it to rounding only closes it
+    points = points.copy()
+    points[-1] += [1e-12, -1e-12, 1e-12]
+    assert net_winding(points, spun(frames, turns), turns) == pytest.approx(turns, abs=1e-9)
+
+
+def test_a_closed_knot_links_by_twist_and_gauss_integral():
+    """Lk = Tw + Wr is an integer, though neither is; an open cut of it has another winding."""
+    s = np.linspace(0, 2 * math.pi, 601)
+    points = np.column_stack([
+        np.sin(s) + 2 * np.sin(2 * s), np.cos(s) - 2 * np.cos(2 * s), -np.sin(3 * s)
+    ])  # fmt: skip
+    t = np.column_stack([
+        np.cos(s) + 4 * np.cos(2 * s), -np.sin(s) + 4 * np.sin(2 * s), -3 * np.cos(3 * s)
+    ])  # fmt: skip
+    t /= np.linalg.norm(t, axis=1)[:, None]
+    points[-1], t[-1] = points[0], t[0]
+    d1 = Z - t[:, 2:] * t
+    d1 /= np.linalg.norm(d1, axis=1)[:, None]
+    frames = np.stack([d1, np.cross(t, d1), t], axis=2)
+    linked = net_winding(points, frames)
+    assert linked == pytest.approx(round(linked), abs=1e-12)
+    # framed by the vertical it links as often as its crossings seen from above say
+    assert abs(linked) == 3
+    assert twist(frames) + writhe(points) == pytest.approx(linked, abs=0.01)
+
+
+@pytest.fixture(scope="module")
+def rings():
+    return le.equilibria(le.Clamping(np.zeros(3), np.eye(3)), rounds=2)
+
+
+def test_closed_rods_link_by_twist_and_writhe(rings):
+    known = {19.739: {0}, 39.478: {1, -1}}
+    for energy, linking in known.items():
+        found = [rod for rod in rings if abs(rod.energy - energy) < 1e-3]
+        assert {rod.turns for rod in found} == linking
+        for rod in found:
+            assert rod.writhe == pytest.approx(0, abs=1e-6)
+            assert rod.net_winding == pytest.approx(rod.twist, abs=1e-6)
+
+
+def test_a_rod_that_passes_through_itself_has_no_winding(rings):
+    twice = [rod for rod in rings if abs(rod.energy - 78.957) < 1e-3]
+    for rod in twice:  # the ring that runs round twice
+        assert rod.net_winding is None
+        assert rod.writhe is None
+        assert rod.turns is None
+
+
+def looped(*moment):
+    """A rod with one loop in the middle, nearly in a plane, from its loads."""
+    loads = [0.0, 0.0, 60.0, *moment]
+    rod = le.solve(le.PhysicalParameters.from_loads(loads, 1.0).clamping(), guess=loads)
+    assert rod.converged
+    np.testing.assert_allclose(rod.loads, loads, atol=1e-6)
+    return rod
+
+
+def test_a_planar_loop_passes_through_itself():
+    rod = looped(0.0, 15.2, 0.0)
+    assert np.abs(rod.centerline(200)[:, 1]).max() < 1e-9
+    assert rod.net_winding is None
+
+
+@pytest.mark.parametrize("moment", [1e-2, 1e-4, 1e-6])
+def test_a_loop_that_just_misses_itself_winds_one_way(moment):
+    """Nearer than a polygon resolves; the mirror image winds the other way."""
+    rod, mirror = looped(0.0, 15.2, moment), looped(0.0, 15.2, -moment)
+    assert abs(rod.net_winding) > 0.9
+    assert mirror.net_winding == pytest.approx(-rod.net_winding, abs=1e-6)
+
+
+def test_ends_that_meet_in_a_corner_have_no_winding():
+    corner = le.Clamping(np.zeros(3), [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+    rod = le.solve(corner)
+    assert rod.converged
+    assert rod.net_winding is None
+    assert rod.turns is None
+
+
+def test_a_free_spin_fixes_no_turns():
+    clamping = le.Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2], free_spin=True)
+    rod = le.solve(clamping)
+    assert rod.turns is None
+    assert math.isfinite(rod.net_winding)
+    with pytest.raises(ValueError, match="`turns`"):
+        le.equilibria(clamping, turns=1)
+
+
+def test_half_a_turn_counts_upwards_on_either_side_of_rounding():
+    for spin in (math.pi - 1e-12, math.pi, -math.pi + 1e-12):
+        c, s = math.cos(spin), math.sin(spin)
+        rod = le.solve(le.Clamping([0.1, 0.05, 0.9], [[c, -s, 0], [s, c, 0], [0, 0, 1]]))
+        assert rod.turns == math.floor(rod.net_winding + 0.5 + 1e-9)
+        assert rod.turns in ((1,) if rod.twist > 0 else (0,))
 
 
 def test_bad_arguments_are_named():

@@ -31,11 +31,11 @@ from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.linalg import eliminate
 from loopelastica.rod.kernels.rotations import (
     align,
+    end_turn,
     matrix_from_quaternion,
     multiply,
     relative,
     tangent,
-    wrap,
     zyz_angles,
 )
 
@@ -80,7 +80,7 @@ def _equations(problem, torsion_ratio, x, q0, reference, e, q, p):
     scale = 2.0 / root
     e[0] = scale * (s0 * math.cos(a0) + s1 * math.cos(a1)) - rx
     e[1] = scale * (s0 * math.sin(a0) + s1 * math.sin(a1)) - ry
-    shortened = scale * (2.0 * math.cos(beta) - c0 * math.cos(x[4]) - c1 * math.cos(x[5]))
+    shortened = scale * (_shortens(beta, c0, s0, x[4]) + _shortens(beta, c1, s1, x[5]))
     # |r| − r_z without cancellation, r_x and r_y being small
     length = 1.0 - shortening
     lean = (rx * rx + ry * ry) / (
@@ -98,6 +98,20 @@ def _equations(problem, torsion_ratio, x, q0, reference, e, q, p):
     e[5] = c1 * math.sin(x[5]) - math.sin(beta)
     # layers that are thin compared with the length hide in an absolute position error
     return root
+
+
+@kernel
+def _shortens(beta, half_cos, half_sine, delta):
+    """The difference cos β − cos(α/2) cos δ, by which an end shortens the rod, in units of 2/√f.
+
+    For a layer that goes straight to the axis it is small, and the same as sin²(α/2) over the sum,
+    by cos(α/2) sin δ = sin β; the difference would be lost before Newton's method has that equation
+    right.
+    """
+    total = math.cos(beta) + half_cos * math.cos(delta)
+    if math.cos(delta) > 0.0 and total > 0.5:
+        return half_sine * half_sine / total
+    return math.cos(beta) - half_cos * math.cos(delta)
 
 
 @kernel
@@ -165,16 +179,6 @@ def planar_start(problem, over_0, over_1):
         norm = max(math.sqrt(gx * gx + gy * gy + gz * gz), _TINY)
         ex, ey, ez = gx / norm, gy / norm, gz / norm
     return root, ex, ey, ez
-
-
-@kernel
-def end_turn(quaternion, q):
-    """φ + χ gained from the start to the end frame about the axis of ``q``, in [−π, π)."""
-    phi0, _, chi0 = zyz_angles(q[0], -q[1], -q[2], -q[3])
-    p = np.empty(4)
-    relative(q, quaternion, p)
-    phi1, _, chi1 = zyz_angles(p[0], p[1], p[2], p[3])
-    return wrap(phi1 + chi1 - phi0 - chi0)
 
 
 @kernel
@@ -289,8 +293,9 @@ def solve_layers(problem, start, layers):
         if start.over_1:
             turn -= 2.0 * math.pi
         x[3] = math.asin(min(max(0.5 * ratio * turn / root, -0.64), 0.64))
-    x[4] = math.pi if start.over_0 else 0.0
-    x[5] = math.pi if start.over_1 else 0.0
+    # where the angles at the ends are small so are their sines
+    x[4] = math.pi - x[3] if start.over_0 else x[3]
+    x[5] = math.pi - x[3] if start.over_1 else x[3]
     while True:
         if not layers_newton(problem, ratio, x, q0, reference, layers):
             return False

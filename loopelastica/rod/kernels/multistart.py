@@ -6,7 +6,8 @@ evaluation that the step did not use (``refinement``):
 
 1. two boundary layers in closed form, where they do not reach each other;
 2. else, at still high tension, their poses as nodes of multiple shooting;
-3. the discrete rod of least energy, which always has somewhere to go; under high tension its loads
+3. where the rod is bent by little, the poses of the linear theory as nodes;
+4. the discrete rod of least energy, which always has somewhere to go; under high tension its loads
    are turned into boundary layers, under little they are shot from the start, otherwise its hinges
    become nodes of multiple shooting.
 
@@ -19,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.rod.kernels.boundary_layers import MAX_RATIO, end_turn, solve_layers
+from loopelastica.rod.kernels.boundary_layers import MAX_RATIO, solve_layers
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod
 from loopelastica.rod.kernels.discrete_starts import (
     bow,
@@ -31,6 +32,7 @@ from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.layer_poses import layers_apart, layers_energy, layers_loads
 from loopelastica.rod.kernels.linalg import copy, copy_rows
 from loopelastica.rod.kernels.minimization import minimize
+from loopelastica.rod.kernels.nearly_straight import bend_energy
 from loopelastica.rod.kernels.newton import CONVERGED, elastic_energy, newton, shot_error
 from loopelastica.rod.kernels.records import (
     LAYERS,
@@ -47,14 +49,16 @@ from loopelastica.rod.kernels.refinement import (
     BOUNDARY_LAYERS,
     DISCRETE_ROD,
     DISCRETE_ROD_SHOOTING,
+    NEARLY_STRAIGHT,
     NONE,
     REFINED_LAYERS,
     TENSE,
+    refine_bend,
     refine_discrete_rod,
     relative_distance,
     settle_layers,
 )
-from loopelastica.rod.kernels.rotations import align, tangent
+from loopelastica.rod.kernels.rotations import align, end_turn, tangent
 
 SHOOTING = int(Method.SHOOTING)
 
@@ -152,7 +156,7 @@ class Halfway(NamedTuple):
     """Starts (n) gone half way: where each has come to."""
 
     kind: Array
-    """(n,): NONE, BOUNDARY_LAYERS or DISCRETE_ROD."""
+    """(n,): NONE, BOUNDARY_LAYERS, NEARLY_STRAIGHT or DISCRETE_ROD."""
     energy: Array
     """(n,): off by about a hundredth; inf where there is nothing to go on from."""
     load: Array
@@ -231,11 +235,13 @@ def _begin(problem, minimized_ratio, start, halfway, i):
     """Half way from a start, into row ``i`` of ``halfway``."""
     layers, load = halfway.layers[i], halfway.load[i]
     plain = start.minimized and start.bow == 0.0
-    if (
-        plain
-        and solve_layers(problem, start, layers)
-        and (layers_apart(layers) or math.cos(layers.beta) * layers.root > TENSE)
-    ):
+    layered = plain and solve_layers(problem, start, layers)
+    if plain and not start.over_0 and not start.over_1 and not (layered and layers_apart(layers)):
+        energy = bend_energy(problem, start.turns, load)
+        if energy < math.inf:
+            halfway.kind[i], halfway.energy[i] = NEARLY_STRAIGHT, energy
+            return
+    if layered and (layers_apart(layers) or math.cos(layers.beta) * layers.root > TENSE):
         layers_loads(layers, load)
         halfway.kind[i] = BOUNDARY_LAYERS
         halfway.energy[i] = layers_energy(layers, problem.torsion_ratio)
@@ -251,12 +257,21 @@ def _finish(problem, minimized_ratio, start, halfway, i, solution):
     """The other half from row ``i`` of ``halfway``, to an `Outcome`."""
     rod, load = DiscreteRod(halfway.s[i], halfway.frames[i]), halfway.load[i]
     if halfway.kind[i] == BOUNDARY_LAYERS:
-        copy_layers(halfway.layers[i], solution.layers[0])
+        solution.layers[0] = halfway.layers[i]
         residual, energy, m = settle_layers(problem, solution)
         if residual < problem.tolerance:
             return Outcome(BOUNDARY_LAYERS if m == 0 else REFINED_LAYERS, residual, energy, m)
-        if not _discrete_rod(problem, minimized_ratio, start, rod, load) < math.inf:
+    elif halfway.kind[i] == NEARLY_STRAIGHT:
+        residual, energy, m = refine_bend(problem, start.turns, solution)
+        if residual < problem.tolerance:
+            return Outcome(NEARLY_STRAIGHT, residual, energy, m)
+        if problem.torsion_ratio > minimized_ratio:
+            # what the discrete rod is minimized at is then far from what is sought
             return Outcome(NONE, math.inf, math.inf, 0)
+    if halfway.kind[i] != DISCRETE_ROD and not (
+        _discrete_rod(problem, minimized_ratio, start, rod, load) < math.inf
+    ):
+        return Outcome(NONE, math.inf, math.inf, 0)
     return refine_discrete_rod(problem, minimized_ratio, start.minimized, rod, load, solution)
 
 
@@ -332,19 +347,6 @@ def _new_solution():
 
 
 @kernel
-def copy_layers(source, target):
-    """Copy a record of `LAYERS`."""
-    target.axis_w, target.axis_x = source.axis_w, source.axis_x
-    target.axis_y, target.axis_z = source.axis_y, source.axis_z
-    target.root, target.beta = source.root, source.beta
-    target.phi_0, target.x_0, target.delta_0 = source.phi_0, source.x_0, source.delta_0
-    target.phi_1, target.x_1, target.delta_1 = source.phi_1, source.x_1, source.delta_1
-    target.end_x, target.end_y, target.end_z = source.end_x, source.end_y, source.end_z
-    target.half_sine_0, target.half_sine_1 = source.half_sine_0, source.half_sine_1
-    target.meeting, target.chi_0, target.chi_1 = source.meeting, source.chi_0, source.chi_1
-
-
-@kernel
 def _keep(outcome, best, trial, solution):
     """The better of two outcomes; a new one's record is copied from the ``trial``."""
     if not outcome.energy < best.energy:
@@ -353,7 +355,7 @@ def _keep(outcome, best, trial, solution):
     copy(trial.loads, solution.loads)
     copy(trial.nodes.s[: m + 1], solution.nodes.s)
     copy_rows(trial.nodes.pose[: m + 1], solution.nodes.pose)
-    copy_layers(trial.layers[0], solution.layers[0])
+    solution.layers[0] = trial.layers[0]
     return outcome
 
 

@@ -41,6 +41,7 @@ class Method(IntEnum):
     NEARBY = 8
     GUESS = 9
     STRAIGHT = 10
+    NEARLY_STRAIGHT = 11
 
     @property
     def label(self) -> str:
@@ -63,6 +64,7 @@ _LABELS = {
     Method.NEARBY: "continuation from a near clamping",
     Method.GUESS: "shooting from a given guess",
     Method.STRAIGHT: "straight",
+    Method.NEARLY_STRAIGHT: "nearly straight rod + multiple shooting",
 }
 
 

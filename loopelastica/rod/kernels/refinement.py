@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from loopelastica.rod.kernels.boundary_layers import end_turn, layers_newton
+from loopelastica.rod.kernels.boundary_layers import layers_newton
 from loopelastica.rod.kernels.discrete_starts import graded_nodes, hinge_poses
 from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.layer_poses import (
@@ -20,14 +20,17 @@ from loopelastica.rod.kernels.layer_poses import (
 )
 from loopelastica.rod.kernels.linalg import copy, copy_rows
 from loopelastica.rod.kernels.multiple_shooting import refine
+from loopelastica.rod.kernels.nearly_straight import bend_loads, bend_nodes
 from loopelastica.rod.kernels.newton import CONVERGED, elastic_energy, newton
-from loopelastica.rod.kernels.records import Method, Nodes, Outcome, Problem
-from loopelastica.rod.kernels.rotations import align, tangent
+from loopelastica.rod.kernels.records import SEGMENTS, Method, Nodes, Outcome, Problem
+from loopelastica.rod.kernels.rotations import align, end_turn, tangent
+from loopelastica.rod.kernels.shooting import moment_bound
 
 NONE, BOUNDARY_LAYERS = int(Method.NONE), int(Method.BOUNDARY_LAYERS)
 REFINED_LAYERS, DISCRETE_ROD = int(Method.REFINED_LAYERS), int(Method.DISCRETE_ROD)
 DISCRETE_ROD_LAYERS = int(Method.DISCRETE_ROD_LAYERS)
 DISCRETE_ROD_SHOOTING = int(Method.DISCRETE_ROD_SHOOTING)
+NEARLY_STRAIGHT = int(Method.NEARLY_STRAIGHT)
 
 # √F cos β above which boundary layers are good nodes, and √F above which only layers hold
 TENSE, _STIFF = 14.0, 45.0
@@ -38,6 +41,8 @@ _DIRECTIONS = 12
 # √F below which one shot from the start is accurate; Newton steps that a discrete rod is given, and
 # how far, relative to their size, its loads may go: further, it would be another rod
 _LOOSE, _STEPS, _SAME = 6.0, 4, 0.1
+# largest moment per segment of the nodes of a nearly straight rod
+_RATE = 6.0
 
 
 @kernel
@@ -131,7 +136,8 @@ def with_end(problem, quaternion, torsion_ratio):
 def _refine_layers(problem, solution):
     """(residual, energy, segments) of nodes at the poses of layers that reach each other."""
     layers, loads = solution.layers[0], solution.loads
-    m = 16 if math.cos(layers.beta) * layers.root < 36.0 else 32
+    layers_loads(layers, loads)
+    m = _segments(math.cos(layers.beta) * layers.root, loads)
     nodes = Nodes(solution.nodes.s[: m + 1], solution.nodes.pose[: m + 1])
     node_s, node_pose = nodes.s, nodes.pose
     graded_nodes(layers.root, node_s)
@@ -140,17 +146,41 @@ def _refine_layers(problem, solution):
         from_end = node_s[i] > 0.5
         distance = 1.0 - node_s[i] if from_end else node_s[i]
         layers_pose(layers, distance, from_end, node_pose[i], moment)
-    layers_loads(layers, loads)
-    end = problem.quaternion
-    if problem.free_spin:
-        # the free end's spin is where the layer leaves it
-        loads[5] = 0.0
-        end = node_pose[m, 3:]
-    ended = with_end(problem, end, problem.torsion_ratio)
     for c in range(7):
         node_pose[0, c] = 0.0
     node_pose[0, 3] = 1.0
-    residual, energy = accept_nodes(ended, nodes, loads)
+    residual, energy = _accept_ended(problem, nodes, loads)
+    return residual, energy, m
+
+
+@kernel
+def _accept_ended(problem, nodes, loads):
+    """`accept_nodes`; a free end has the spin of the last node to begin with."""
+    end = problem.quaternion
+    if problem.free_spin:
+        loads[5] = 0.0
+        end = nodes.pose[nodes.s.shape[0] - 1, 3:]
+    return accept_nodes(with_end(problem, end, problem.torsion_ratio), nodes, loads)
+
+
+@kernel
+def _segments(growth, loads):
+    """How many segments hold a rod whose errors grow by exp(``growth``), as its moment turns it."""
+    m = 16 if growth < 36.0 else 32
+    while m < SEGMENTS and moment_bound(loads) > _RATE * m:
+        m *= 2
+    return m
+
+
+@kernel
+def refine_bend(problem, turns, solution):
+    """(residual, energy, segments) of the rod that the linear theory bends, refined."""
+    loads = solution.loads
+    growth = bend_loads(problem, turns, loads)
+    m = _segments(growth, loads)
+    nodes = Nodes(solution.nodes.s[: m + 1], solution.nodes.pose[: m + 1])
+    bend_nodes(problem, turns, nodes)
+    residual, energy = _accept_ended(problem, nodes, loads)
     return residual, energy, m
 
 

@@ -115,6 +115,16 @@ def wrap(angle):
 
 
 @kernel
+def end_turn(quaternion, q):
+    """φ + χ gained from the start to the end frame about the axis of ``q``, in [−π, π)."""
+    phi0, _, chi0 = zyz_angles(q[0], -q[1], -q[2], -q[3])
+    p = np.empty(4)
+    relative(q, quaternion, p)
+    phi1, _, chi1 = zyz_angles(p[0], p[1], p[2], p[3])
+    return wrap(phi1 + chi1 - phi0 - chi0)
+
+
+@kernel
 def cross(ax, ay, az, bx, by, bz):
     """Cross product a × b, as three floats."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

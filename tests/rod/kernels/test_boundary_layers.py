@@ -4,8 +4,9 @@ from draws import pose_drawn
 from scipy.spatial.transform import Rotation
 
 import loopelastica as le
-from loopelastica.rod.kernels.boundary_layers import end_turn, planar_start, solve_layers
+from loopelastica.rod.kernels.boundary_layers import planar_start, solve_layers
 from loopelastica.rod.kernels.layer_poses import check_layers, layers_apart, sample_layers
+from loopelastica.rod.kernels.rotations import end_turn
 
 # kernels that Python does not call otherwise are compiled one by one
 pytestmark = pytest.mark.slow
