@@ -9,7 +9,7 @@ file = Path(__file__).resolve().parents[1] / "data" / "hairpins" / "2koc.pdb"
 (loop,) = le.fold(file)
 print(loop.hairpin.sequence, "closed by", *loop.hairpin.closing_pair)
 
-# %% The candidates, least deformation energy first
+# %% The candidates: least deformation energy first, shapes that touch something last
 for candidate in loop.candidates:
     print(
         f"{candidate.rank}: E/K0 {candidate.energy_per_A:.3f} 1/Å,"

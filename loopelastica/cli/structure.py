@@ -56,7 +56,7 @@ def scan(
     loop: o.Loops = None,
     shown: Annotated[int, typer.Option(help="Shapes shown per loop.", min=1)] = 20,
 ) -> None:
-    """Solve every clamp that the stem allows; rank all shapes by deformation energy."""
+    """Solve every clamp that the stem allows; rank all shapes: by energy, touching last."""
     from loopelastica.folding.scan import scan as scan_file
     from loopelastica.report.tables import console, scan_table
 

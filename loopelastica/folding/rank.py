@@ -27,7 +27,8 @@ class Candidate(Record):
     Attributes
     ----------
     rank : int
-        1 for the least energy among those that touch nothing.
+        1 for the least energy among those that touch nothing; those that touch follow, by their
+        energy.
     rod : Equilibrium
         The dimensionless rod.
     length_A : float

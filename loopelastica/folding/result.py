@@ -22,7 +22,8 @@ class LoopFold(Record):
     hairpin : Hairpin
         What was folded.
     candidates : tuple of Candidate
-        Ranked; empty if ``failure`` says why the loop could not be folded.
+        Least energy first, those that touch something last; empty if ``failure`` says why the loop
+        could not be folded.
     options : FoldOptions
         Every option that was in force.
     failure : str or None

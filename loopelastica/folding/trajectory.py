@@ -42,7 +42,8 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
     hairpins : list of Hairpin
         The loops, in file order.
     results.energy_per_A : (n_frames, n_loops) ndarray
-        E/K0 of the first-ranked shape, 1/Å; inf where the loop could not be folded.
+        E/K0 of the first-ranked shape (the least of those that touch nothing, if any), 1/Å; inf
+        where the loop could not be folded.
     results.rmsd_A : (n_frames, n_loops) ndarray
         Its distance from the loop of the frame, Å; inf where either is missing.
     results.touching : (n_frames, n_loops) ndarray of bool

@@ -179,7 +179,7 @@ def _line_rows(fold: LoopFold) -> Iterator[dict[str, object]]:
 
 
 def _write_traces(path: Path, fold: LoopFold, structure: Structure, letter: str) -> None:
-    """One MODEL per candidate: a point CEN per nucleotide, its energy rank as B factor."""
+    """One MODEL per candidate: a point CEN per nucleotide, its rank as B factor."""
     lines = renamed_records({fold.hairpin.chain: letter})
     for candidate in fold.candidates:
         lines.append(f"MODEL     {candidate.rank:4d}")

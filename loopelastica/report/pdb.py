@@ -182,7 +182,7 @@ class WholeStructure:
         ends = printable(f"{hairpin.residues[0]} TO {hairpin.residues[-1]}")
         lines = [
             f"REMARK  99 LOOPELASTICA {__version__}: {ends} ARE POINTS {POINT} OF THE ELASTIC LINE",
-            "REMARK  99 OF LEAST ENERGY; ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL",
+            "REMARK  99 OF FIRST RANK; ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL",
             *renamed_records(self._letters),
             *records[:after][keep[:after]],
             *points,

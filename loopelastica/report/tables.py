@@ -33,8 +33,8 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
     from loopelastica.report.records import rmsd_summary
 
     table = Table(
-        title="Loops folded, least energy first. Energy is no confidence; RMSD without"
-        " superposition, where the file has the loop.",
+        title="Loops folded: least energy first, shapes that touch last. Energy is no confidence;"
+        " RMSD without superposition, where the file has the loop.",
         title_justify="left",
     )
     for name in ("file", "closing pair", "sequence"):
@@ -87,7 +87,7 @@ def scan_table(loop: "LoopScan", shown: int) -> Table:
     """
     median, most = loop.expected_rmsd_A
     table = Table(
-        title=printable(f"{loop.hairpin.label} {loop.hairpin.sequence}, by E/K0"),
+        title=printable(f"{loop.hairpin.label} {loop.hairpin.sequence}, by E/K0, touching last"),
         caption=f"{min(shown, len(loop.candidates))} of {len(loop.candidates)} shapes, spread"
         f" {loop.spread_A:.1f} Å. Energy is no confidence: the least deformed shape is not the most"
         f" probable one. Error to expect of the rule (*) for {len(loop.hairpin)} nucleotides:"

@@ -76,5 +76,5 @@ def _rank(axes: Any, rows: list[dict[str, Any]]) -> None:
     counts = np.bincount(ranks)[1:] if len(ranks) else np.zeros(0)
     axes.bar(np.arange(1, len(counts) + 1), counts, color="C0")
     axes.set_xticks(np.arange(1, len(counts) + 1))
-    axes.set_xlabel("rank, by energy, of the candidate nearest to the file's loop")
+    axes.set_xlabel("rank of the candidate nearest to the file's loop")
     axes.set_ylabel("loops")
