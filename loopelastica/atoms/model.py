@@ -24,7 +24,7 @@ from loopelastica.atoms.minimum import minimum
 from loopelastica.atoms.relax import Relaxed
 from loopelastica.atoms.site import Site, site_of
 from loopelastica.atoms.start import moved_out, shifted, start_on
-from loopelastica.atoms.turn import Turns, turned
+from loopelastica.atoms.turn import Turns, check_contact, turned
 from loopelastica.errors import StructureError
 from loopelastica.folding.rank import Candidate
 from loopelastica.folding.result import LoopFold
@@ -140,7 +140,8 @@ def build_atoms(
     """
     tries, max_steps = whole(1)("tries", tries), whole(1)("max_steps", max_steps)
     max_candidates = optional(whole(1))("max_candidates", max_candidates)
-    max_seconds = positive("max_seconds", max_seconds)
+    max_seconds, model = positive("max_seconds", max_seconds), whole(0)("model", model)
+    check_contact(contact)
     if fold.ends is None or not fold.candidates:
         raise StructureError(fold.failure or "the loop was not folded; it gets no atoms")
     structure = read_structure(structure)

@@ -1,8 +1,10 @@
 """What a fold writes: one folder per hairpin, complete or absent."""
 
-from collections.abc import Iterator
+import json
+import os
+from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -128,3 +130,30 @@ def _write_traces(path: Path, fold: LoopFold, structure: Structure, letter: str)
         lines += point_records(fold, structure, candidate.trace, letter, candidate.rank, 1)
         lines.append("ENDMDL")
     write_text(path, "\n".join([*lines, *bond_records(1, len(fold.hairpin)), "END", ""]))
+
+
+def other_folds(out: Path, names: Collection[str]) -> list[str]:
+    """Folders of folded files in a folder of results, other than those named.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of results.
+    names : collection of str
+        Folders that are known.
+
+    Returns
+    -------
+    list of str
+        Their names in order; what is not the result of a file's fold is left out.
+    """
+    others = sorted(f.name for f in os.scandir(out) if f.is_dir() and f.name not in names)
+    return [name for name in others if "file" in _input(out / name / "ranking.json")]
+
+
+def _input(path: Path) -> Any:
+    """What a ranking.json says of its input; nothing where it cannot be read."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))["input"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}

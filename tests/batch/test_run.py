@@ -49,7 +49,7 @@ def results(out):
 
 
 def test_the_table_has_a_line_per_candidate_in_the_order_of_the_input(files, undisturbed):
-    with (undisturbed / "candidates.csv").open() as file:
+    with (undisturbed / "summary.csv").open() as file:
         table = list(csv.DictReader(file))
     names = [row["file"] for row in table if row["rank"] == "1"]
     assert names == [f.name for f in files if f != files[3]]
@@ -88,7 +88,7 @@ def test_a_run_killed_three_times_gives_the_undisturbed_table(files, undisturbed
         *("--jobs", "2", "--first-model", "--no-plot"),
     ]
     kills = 0
-    journal = out / ".candidates.journal"
+    journal = out / ".summary.journal"
     for _ in range(3):
         process = subprocess.Popen(
             command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
@@ -117,5 +117,5 @@ def test_a_run_killed_three_times_gives_the_undisturbed_table(files, undisturbed
 def test_the_table_is_there_as_parquet_too(undisturbed):
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
-    table = pandas.read_parquet(undisturbed / "candidates.parquet")
-    assert len(table) == len(pandas.read_csv(undisturbed / "candidates.csv"))
+    table = pandas.read_parquet(undisturbed / "summary.parquet")
+    assert len(table) == len(pandas.read_csv(undisturbed / "summary.csv"))
