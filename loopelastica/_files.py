@@ -27,6 +27,11 @@ def data_path(name: str) -> Path:
     return (inside if inside.is_dir() else here.parent / "data") / name
 
 
+def printable(name: str) -> str:
+    """A file name as it is written in texts, tables and pictures."""
+    return name.encode(errors=NO_UTF8).decode()
+
+
 class OutputError(OSError):
     """Something could not be written; ``filename`` is the path that a user knows of."""
 

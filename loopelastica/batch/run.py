@@ -48,10 +48,12 @@ class Task:
     def __str__(self) -> str:
         return self.source
 
-    def as_given(self, sentence: str) -> str:
-        """A sentence about the file, with the path as it was given."""
-        about = f"{self.source}: "
-        return f"{self.file}: {sentence[len(about) :]}" if sentence.startswith(about) else sentence
+    def as_given(self, sentence: str, out: Path) -> str:
+        """A sentence about the file or its results, with the paths as they were given."""
+        for absolute, given in ((f"{self.source}: ", f"{self.file}: "), (self.out, str(out))):
+            if sentence.startswith(absolute):
+                return given + sentence[len(absolute) :]
+        return sentence
 
     @property
     def key(self) -> str:
@@ -312,7 +314,10 @@ class _Book:
             if key in self.again:
                 sentences = [self.again[key]]
             for sentence in sentences:
-                yield {"file": task.file, "failure": self.wording(task.as_given(sentence))}
+                yield {
+                    "file": task.file,
+                    "failure": self.wording(task.as_given(sentence, self.out)),
+                }
 
     def close(self) -> Run:
         """Write the tables in the order of the input."""

@@ -19,6 +19,7 @@ from typing import Any
 from loopelastica._checks import optional, text, whole
 from loopelastica._files import OutputError
 from loopelastica.errors import LoopelasticaError, MissingDependencyError
+from loopelastica.molecule.reading import first_line
 
 # deaths of a worker after which a task that was on it is not given out again
 DEATHS = 2
@@ -156,6 +157,8 @@ def attempt(function: Callable[[Any], Any], task: Any) -> Outcome:
     """
     try:
         return Outcome(task, function(task))
+    except MissingDependencyError as error:
+        return Outcome(task, failure=str(error), final=False)
     except LoopelasticaError as error:
         return Outcome(task, failure=str(error))
     except OutputError as error:
@@ -168,7 +171,11 @@ def attempt(function: Callable[[Any], Any], task: Any) -> Outcome:
         )
     # one file must not stop the others, whatever is wrong with it
     except Exception as error:
-        return Outcome(task, failure=f"{task}: {type(error).__name__}: {error}", final=False)
+        return Outcome(task, failure=_unforeseen(task, error), final=False)
+
+
+def _unforeseen(task: Any, error: BaseException) -> str:
+    return f"{task}: {type(error).__name__}: {first_line(error)}"
 
 
 def _client(stack: ExitStack, jobs: int, scheduler: str | None) -> Any:
@@ -184,13 +191,7 @@ def _client(stack: ExitStack, jobs: int, scheduler: str | None) -> Any:
                 f"the scheduler at {scheduler} cannot be reached ({error})"
             ) from None
     stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": DEATHS}))
-    with _deaf_children():
-        cluster = stack.enter_context(
-            distributed.LocalCluster(
-                n_workers=0, threads_per_worker=1, processes=True, dashboard_address=None,
-                silence_logs=50,
-            )
-        )  # fmt: skip
+    cluster = stack.enter_context(_cluster(distributed))
     for _ in range(jobs):
         cluster.worker_spec.update(cluster.new_worker_spec())
 
@@ -209,17 +210,32 @@ def _client(stack: ExitStack, jobs: int, scheduler: str | None) -> Any:
 
 
 @contextmanager
+def _cluster(distributed: Any) -> Iterator[Any]:
+    """A local cluster that has no workers yet."""
+    with _deaf_children():
+        cluster = distributed.LocalCluster(
+            n_workers=0, threads_per_worker=1, processes=True, dashboard_address=None,
+            silence_logs=50,
+        )  # fmt: skip
+    try:
+        yield cluster
+    finally:
+        # a worker that is just being started cannot be closed; it ends with this process
+        with suppress(Exception):
+            cluster.close(timeout=5)
+
+
+@contextmanager
 def _silence() -> Iterator[None]:
     """Keep dask's remarks from the terminal: what a user should be aware of is an exception."""
     loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.CRITICAL + 1)
-    try:
-        yield
-    finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)
+    yield
+    # not after an error: what is still closing then would go on talking
+    for logger, level in zip(loggers, levels, strict=True):
+        logger.setLevel(level)
 
 
 @contextmanager
@@ -244,6 +260,7 @@ def _deaf_children() -> Iterator[None]:
 def _on_workers(
     client: Any, function: Callable[[Any], Any], tasks: Iterable[Any], jobs: int
 ) -> Iterator[Outcome]:
+    distributed = importlib.import_module("distributed")
     waiting = iter(tasks)
     given: dict[Any, Any] = {}
 
@@ -251,23 +268,34 @@ def _on_workers(
         for _, task in zip(range(n), waiting, strict=False):
             given[client.submit(attempt, function, task, pure=False)] = task
 
-    give(AHEAD * max(jobs, sum(client.nthreads().values())))
-    while given:
-        for future in _finished(client, list(given)):
-            task = given.pop(future)
-            if future.status == "finished":
-                yield future.result()
-            elif isinstance(error := future.exception(), OutputError):
-                raise error
-            else:
-                sentence = f"{task}: the workers it was on died; it is left out"
-                yield Outcome(task, failure=sentence, final=False, lost=True)
-            future.release()
-            give(1)
+    try:
+        give(AHEAD * max(jobs, sum(client.nthreads().values())))
+        while given:
+            for future in _finished(client, list(given)):
+                yield _outcome(future, given.pop(future))
+                future.release()
+                give(1)
+    except OutputError:
+        raise
+    except (distributed.CancelledError, OSError):
+        raise LoopelasticaError("the scheduler is gone") from None
+
+
+def _outcome(future: Any, task: Any) -> Outcome:
+    if future.status == "finished":
+        outcome: Outcome = future.result()
+        return outcome
+    error = future.exception()
+    if isinstance(error, OutputError):
+        raise error
+    if type(error).__name__ == "KilledWorker":
+        sentence = f"{task}: the workers it was on died; it is left out"
+        return Outcome(task, failure=sentence, final=False, lost=True)
+    return Outcome(task, failure=_unforeseen(task, error), final=False)
 
 
 def _finished(client: Any, futures: list[Any]) -> list[Any]:
-    """Those that are done, one at least; LoopelasticaError where nothing can come any more."""
+    """Those that are done, one at least; LoopelasticaError where no worker is left."""
     distributed = importlib.import_module("distributed")
     last_seen = time.monotonic()
     while True:
@@ -280,5 +308,3 @@ def _finished(client: Any, futures: list[Any]) -> list[Any]:
                 last_seen = time.monotonic()
             elif time.monotonic() - last_seen > PATIENCE_S:
                 raise LoopelasticaError("all worker processes have died") from None
-        except (distributed.CancelledError, OSError):
-            raise LoopelasticaError("the scheduler is gone") from None

@@ -65,9 +65,7 @@ class Command(TyperCommand):
         except OSError as error:
             if error.errno == errno.EPIPE:
                 raise  # whoever reads has seen enough
-            if error.filename is None:
-                _close_output()
-            say(sentence_of(error))
+            _say_refused(error)
         raise typer.Exit(1)
 
 
@@ -80,7 +78,12 @@ class Program(TyperGroup):
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors=_LEGIBLE)
-        return super().main(*args, **kwargs)
+        try:
+            return super().main(*args, **kwargs)
+        except OSError as error:
+            # of printing a help text; those of a command end there
+            _say_refused(error)
+            sys.exit(1)
 
 
 def say(sentence: str) -> None:
@@ -108,15 +111,6 @@ def _names() -> dict[str, str]:
     return {p.name: _shown(p) for p in parameters} | _OPTIONS
 
 
-def sentence_of(error: OSError) -> str:
-    """What the system has refused, and of which file."""
-    from loopelastica._files import OutputError
-
-    if isinstance(error, OutputError):
-        return str(error)
-    return f"{error.filename or 'standard output'}: {error.strerror or error}"
-
-
 def _shown(parameter: Any) -> str:
     """Its longest name: --out rather than -o, FOLDER for an argument."""
     if parameter.param_type_name == "argument":
@@ -131,7 +125,12 @@ def _legible(error: UnicodeError) -> tuple[str, int]:
     return "".join(_SIGNS.get(sign) or ascii(sign)[1:-1] for sign in signs), error.end
 
 
-def _close_output() -> None:
-    """Send what is left for the standard output to nowhere, else Python fails at its end again."""
-    if sys.stdout is sys.__stdout__ and sys.stdout is not None:
+def _say_refused(error: OSError) -> None:
+    """Say what the system has refused, and of which file."""
+    from loopelastica._files import OutputError
+
+    if error.filename is None and sys.stdout is sys.__stdout__ and sys.stdout is not None:
+        # what is left for it goes to nowhere, else Python fails at its end again
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sentence = f"{error.filename or 'standard output'}: {error.strerror or error}"
+    say(str(error) if isinstance(error, OutputError) else sentence)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from loopelastica._files import whole_folder, write_csv, write_json, write_text
+from loopelastica._files import printable, whole_folder, write_csv, write_json, write_text
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.report.pdb import (
@@ -111,7 +111,7 @@ def write_fold(
             write_atoms(part, atoms)
         if plot:
             sticks = None if atoms is None else atoms.sticks(1)
-            plot_fold(fold, part / "plot.png", title=path.name, sticks=sticks)
+            plot_fold(fold, part / "plot.png", title=printable(path.name), sticks=sticks)
 
 
 def _line_rows(fold: LoopFold) -> Iterator[dict[str, object]]:
