@@ -143,7 +143,7 @@ def fail(sentences: Sequence[str]) -> None:
 def note(sentences: Sequence[str]) -> None:
     """Print what a user should be aware of."""
     for sentence in sentences:
-        typer.echo(f"note: {in_options(sentence)}")
+        print(f"note: {in_options(sentence)}")
 
 
 def screenful(sentences: Sequence[str], rest: str) -> list[str]:

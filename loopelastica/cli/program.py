@@ -88,7 +88,8 @@ class Program(TyperGroup):
 
 def say(sentence: str) -> None:
     """Print a sentence on the standard error, with options as they are called here."""
-    typer.echo(in_options(sentence), err=True)
+    # not by echo, which takes it upon itself to send UTF-8 to a terminal of ASCII
+    print(in_options(sentence), file=sys.stderr)
 
 
 def in_options(sentence: str) -> str:
