@@ -146,10 +146,13 @@ def distinct(sources: Iterable[str | Path]) -> tuple[list[str], list[str]]:
     first: dict[str, str] = {}
     notes = []
     for source in map(str, sources):
-        known = first.setdefault(os.path.realpath(source), source)
-        if known is not source:
+        place = os.path.realpath(source)
+        if place in first:
+            known = first[place]
             same = "was given before" if known == source else f"is the same file as {known}"
             notes.append(f"{source} {same}; it counts once")
+        else:
+            first[place] = source
     return list(first.values()), notes
 
 

@@ -31,9 +31,10 @@ def run(*arguments):
 
 
 def program(*arguments, env=None, **options):
-    """The program in a process of its own, as text that cannot be decoded wrongly."""
+    """The program in a process of its own."""
+    words = [a if isinstance(a, bytes) else str(a) for a in arguments]
     return subprocess.run(
-        [sys.executable, "-m", "loopelastica", *(a if isinstance(a, bytes) else str(a) for a in arguments)],
+        [sys.executable, "-m", "loopelastica", *words],
         cwd=options.pop("cwd", ROOT), env={**os.environ, "PYTHONPATH": str(ROOT), **(env or {})},
         stdout=options.pop("stdout", subprocess.PIPE), stderr=subprocess.PIPE, timeout=300,
         **options,
