@@ -6,6 +6,7 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 Check = Callable[[str, Any], Any]
 
@@ -84,6 +85,17 @@ def numbers(low: float, high: float) -> Check:
         return tuple(between(low, high)(name, one) for one in found)
 
     return check
+
+
+def reals(name: str, value: Any) -> NDArray[np.float64]:
+    """Real numbers in a new array of any shape: no text, no truth values, nothing masked."""
+    try:
+        array = np.array(value)
+    except (ValueError, TypeError):  # rows of unequal length
+        array = np.array(None)
+    if array.dtype.kind not in "iuf" or np.ma.is_masked(value):
+        raise ValueError(f"`{name}` is {_shown(value)}; it must be an array of real numbers")
+    return array.astype(np.float64)
 
 
 def _is_real(value: Any) -> bool:

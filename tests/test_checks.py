@@ -6,7 +6,17 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from loopelastica._checks import between, flag, numbers, optional, positive, text, texts, whole
+from loopelastica._checks import (
+    between,
+    flag,
+    numbers,
+    optional,
+    positive,
+    reals,
+    text,
+    texts,
+    whole,
+)
 
 ODD = [
     None, "1", b"1", [1], (), {}, object, True, np.True_, math.nan, math.inf, -math.inf, 1j,
@@ -39,3 +49,26 @@ def test_numbers_of_any_library_are_taken():
         assert type(whole(1)("n", value)) is int
     assert optional(whole(1))("n", None) is None
     assert numbers(0.0, 1.0)("x", np.array([0.0, 0.5])) == (0.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        *(None, "x", b"1", object, {}, [True], [[1.0], [1.0, 2.0]], [1j], [10**400], ["1"]),
+        *(np.array([1.0 + 0j]), np.ma.masked_array([1.0, 2.0], [False, True]), np.ma.masked),
+        np.array(["2020"], dtype="datetime64[Y]"),
+    ],
+    ids=lambda v: repr(v)[:20],
+)
+def test_what_is_no_array_of_real_numbers_is_refused(value):
+    with pytest.raises(ValueError, match="`argument`") as caught:
+        reals("argument", value)
+    assert "\n" not in str(caught.value)
+
+
+def test_arrays_come_as_copies():
+    given = np.arange(3)
+    taken = reals("x", given)
+    taken[0] = 7.0
+    assert (given[0], taken.dtype) == (0, np.float64)
+    assert reals("x", np.ma.masked_array([1.0], [False])).tolist() == [1.0]

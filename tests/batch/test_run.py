@@ -222,12 +222,12 @@ def test_120_files_whose_processes_are_killed_give_the_undisturbed_tables(tmp_pa
             start_new_session=True,
         )  # fmt: skip
         done = journal.stat().st_size if journal.exists() else 0
-        whom = rng.choice(list(kills)) if attempt < 12 else "nobody"
+        whom = rng.choice(list(kills)) if attempt < 15 else "nobody"
         while process.poll() is None:
             time.sleep(0.02)
             if whom == "nobody" or not journal.exists() or journal.stat().st_size == done:
                 continue
-            time.sleep(rng.uniform(0.0, 1.0))  # at a random moment after one more file was done
+            time.sleep(rng.uniform(0.0, 0.4))  # at a random moment after one more file was done
             if process.poll() is not None:
                 break
             kills[whom] += 1
@@ -237,13 +237,13 @@ def test_120_files_whose_processes_are_killed_give_the_undisturbed_tables(tmp_pa
                 process.kill()
             else:
                 os.kill(rng.choice(children(process.pid)), signal.SIGKILL)
-                whom = "nobody"
+                whom, done = rng.choice(list(kills)), journal.stat().st_size
         process.wait()
         failures = out / "failures.csv"
         if process.returncode == 1 and failures.read_text().count("\n") == 3:
             break
     print(f"{attempt + 1} runs, kills: {kills}")
-    assert sum(kills.values()) >= 5
+    assert sum(kills.values()) >= 3
     for name in ("summary.csv", "failures.csv"):
         assert (out / name).read_bytes() == (calm / name).read_bytes()
     assert {p.name for p in out.iterdir() if p.is_dir()} == {

@@ -195,7 +195,7 @@ def test_a_scheduler_that_dies_is_one_sentence_after_what_was_done(by_value):
                 scheduler.kill()
 
     try:
-        with pytest.raises(LoopelasticaError, match="^the scheduler is gone$"):
+        with pytest.raises(LoopelasticaError, match=r"^the scheduler is gone$"):
             gather()
     finally:
         scheduler.kill()

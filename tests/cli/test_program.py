@@ -43,7 +43,7 @@ def program(*arguments, env=None, **options):
 
 def said(result, *, fragments):
     """The one sentence on the standard error, in which the fragments are."""
-    lines = [line for line in result.stderr.splitlines() if line.strip() and "file/s" not in line]
+    lines = [line for line in result.stderr.splitlines() if line.strip() and "%|" not in line]
     assert len(lines) == 1, lines
     for fragment in fragments:
         assert str(fragment) in lines[0]
@@ -330,8 +330,9 @@ def interrupted(arguments, ready, out):
             break
         time.sleep(0.1)
     assert left == b""
-    (sentence,) = (line for line in text.splitlines() if line.strip() and "file/s" not in line)
-    return sentence
+    lines = [line for line in text.splitlines() if line.strip() and "%|" not in line]
+    assert len(lines) == 1, lines
+    return lines[0]
 
 
 def copies(small, folder, n):
@@ -353,13 +354,14 @@ def test_an_interrupted_run_says_what_is_done_and_goes_on(small, tmp_path, jobs)
         command, lambda _: journal.exists() and journal.read_bytes().count(b"\n") > 2, out
     )
     done = int(sentence.split(": ")[1].split(" of 40 files are done")[0])
-    assert 3 <= done < 40
+    # the last one may be in the journal without being counted yet
+    assert 2 <= done < 40
     assert "the same command goes on" in sentence
     assert len({row["file"] for row in table(out / "summary.csv")}) == done
     assert table(out / "failures.csv") == []
     result = run("fold", *files, *FAST, "--jobs", 1, "-o", out)
     assert result.exit_code == 0
-    assert f"({done} were done before)" in result.output
+    assert any(f"({n} were done before)" in result.output for n in (done, done + 1))
 
 
 @pytest.mark.slow
