@@ -310,14 +310,14 @@ def test_a_mistake_in_solve_is_one_of_usage_and_no_solution_a_failure(monkeypatc
 # --- interrupts -----------------------------------------------------------------------------------
 
 
-def interrupted(arguments, ready, out):
+def interrupted(arguments, ready):
     """Send Ctrl-C as a terminal does, to all processes of the group, when it is time."""
     process = subprocess.Popen(
         [sys.executable, "-m", "loopelastica", *map(str, arguments)],
         cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
     )  # fmt: skip
     deadline = time.monotonic() + 240
-    while not ready(out) and process.poll() is None and time.monotonic() < deadline:
+    while not ready(process.pid) and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.02)
     os.killpg(process.pid, signal.SIGINT)
     _, errors = process.communicate(timeout=120)
@@ -333,6 +333,11 @@ def interrupted(arguments, ready, out):
     lines = [line for line in text.splitlines() if line.strip() and "%|" not in line]
     assert len(lines) == 1, lines
     return lines[0]
+
+
+def children(pid):
+    found = subprocess.run(["pgrep", "-P", str(pid)], capture_output=True, text=True)
+    return found.stdout.split()
 
 
 def copies(small, folder, n):
@@ -351,7 +356,7 @@ def test_an_interrupted_run_says_what_is_done_and_goes_on(small, tmp_path, jobs)
     command = ("fold", *files, *FAST, "--jobs", jobs, "-o", out)
     journal = out / ".summary.journal"
     sentence = interrupted(
-        command, lambda _: journal.exists() and journal.read_bytes().count(b"\n") > 2, out
+        command, lambda _: journal.exists() and journal.read_bytes().count(b"\n") > 2
     )
     done = int(sentence.split(": ")[1].split(" of 40 files are done")[0])
     # the last one may be in the journal without being counted yet
@@ -370,7 +375,6 @@ def test_an_interrupted_fold_leaves_valid_tables(small, tmp_path):
     sentence = interrupted(
         ("fold", *files, *FAST, "-o", out),
         lambda _: out.exists() and sum(p.is_dir() for p in out.iterdir()) > 3,
-        out,
     )
     done = len({row["file"] for row in table(out / "summary.csv")})
     assert f"interrupted: {done} of 60 files are done; the same command" in sentence
@@ -383,8 +387,8 @@ def test_an_interrupt_while_workers_start_is_one_sentence(small, tmp_path):
     out = tmp_path / "out"
     sentence = interrupted(
         ("fold", *copies(small, tmp_path, 3), *FAST, "--jobs", 2, "-o", out),
-        lambda _: (out / "summary.csv").exists(),
-        out,
+        # one that multiprocessing starts to look after the others, and both workers
+        lambda pid: len(children(pid)) > 2,
     )
     assert "0 of 3 files are done" in sentence
 

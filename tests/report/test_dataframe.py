@@ -53,4 +53,4 @@ def test_without_pandas_the_extra_is_named(folds, monkeypatch):
 @pytest.mark.parametrize("odd", ["folds", [1], None, 5])
 def test_what_are_no_folds_is_refused(odd):
     with pytest.raises(ValueError, match=r"`results` (is|holds) a \w+; it must be a list of folds"):
-        to_dataframe(odd)
+        le.to_dataframe(odd)
