@@ -37,6 +37,7 @@ def alone_in(folder: Path) -> Iterator[None]:
     OutputError
         If the folder cannot be made or written to.
     """
+    made = not folder.exists()
     make_folder(folder)
     path = folder / _NAME
     handle = _locked(path)
@@ -51,6 +52,8 @@ def alone_in(folder: Path) -> Iterator[None]:
         # before the lock goes, so that nobody locks a file that is then removed
         with suppress(OSError):
             path.unlink()
+            if made:
+                folder.rmdir()  # where nothing has come of it; any other is refused
         os.close(handle)
 
 
