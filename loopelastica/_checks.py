@@ -6,6 +6,7 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 Check = Callable[[str, Any], Any]
 
@@ -13,14 +14,14 @@ Check = Callable[[str, Any], Any]
 def flag(name: str, value: Any) -> bool:
     """True or False, of Python or NumPy; no number, no text."""
     if not isinstance(value, bool | np.bool_):
-        raise ValueError(f"`{name}` is {value!r}; it must be True or False")
+        raise ValueError(f"`{name}` is {_shown(value)}; it must be True or False")
     return bool(value)
 
 
 def positive(name: str, value: Any) -> float:
     """A positive, finite number."""
-    if not (_is_real(value) and math.isfinite(value) and value > 0):
-        raise ValueError(f"`{name}` is {value!r}; it must be a positive, finite number")
+    if not (_is_real(value) and _is_finite(value) and value > 0):
+        raise ValueError(f"`{name}` is {_shown(value)}; it must be a positive, finite number")
     return float(value)
 
 
@@ -29,7 +30,9 @@ def between(low: float, high: float) -> Check:
 
     def check(name: str, value: Any) -> float:
         if not (_is_real(value) and low <= value <= high):
-            raise ValueError(f"`{name}` is {value!r}; it must be a number from {low:g} to {high:g}")
+            raise ValueError(
+                f"`{name}` is {_shown(value)}; it must be a number from {low:g} to {high:g}"
+            )
         return float(value)
 
     return check
@@ -39,9 +42,11 @@ def whole(least: int) -> Check:
     """A whole number, `least` or more."""
 
     def check(name: str, value: Any) -> int:
-        number = _is_real(value) and math.isfinite(value) and value == int(value)
+        number = _is_real(value) and _is_finite(value) and value == int(value)
         if not (number and value >= least):
-            raise ValueError(f"`{name}` is {value!r}; it must be a whole number, {least} or more")
+            raise ValueError(
+                f"`{name}` is {_shown(value)}; it must be a whole number, {least} or more"
+            )
         return int(value)
 
     return check
@@ -55,7 +60,7 @@ def optional(check: Check) -> Check:
 def text(name: str, value: Any) -> str:
     """A text."""
     if not isinstance(value, str):
-        raise ValueError(f"`{name}` is {value!r}; it must be a text")
+        raise ValueError(f"`{name}` is {_shown(value)}; it must be a text")
     return value
 
 
@@ -63,7 +68,7 @@ def texts(name: str, value: Any) -> tuple[str, ...]:
     """One text or a sequence of them, as a tuple."""
     found = (value,) if isinstance(value, str) else value
     if not (isinstance(found, list | tuple) and all(isinstance(one, str) for one in found)):
-        raise ValueError(f"`{name}` is {value!r}; it must be a text or a list of texts")
+        raise ValueError(f"`{name}` is {_shown(value)}; it must be a text or a list of texts")
     return tuple(found)
 
 
@@ -76,11 +81,35 @@ def numbers(low: float, high: float) -> Check:
         except TypeError:
             found = ()
         if not found:
-            raise ValueError(f"`{name}` is {value!r}; it must be one or more numbers")
+            raise ValueError(f"`{name}` is {_shown(value)}; it must be one or more numbers")
         return tuple(between(low, high)(name, one) for one in found)
 
     return check
 
 
+def reals(name: str, value: Any) -> NDArray[np.float64]:
+    """Real numbers in a new array of any shape: no text, no truth values, nothing masked."""
+    try:
+        array = np.array(value)
+    except (ValueError, TypeError):  # rows of unequal length
+        array = np.array(None)
+    if array.dtype.kind not in "iuf" or np.ma.is_masked(value):
+        raise ValueError(f"`{name}` is {_shown(value)}; it must be an array of real numbers")
+    return array.astype(np.float64)
+
+
 def _is_real(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _is_finite(value: Any) -> bool:
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number beyond those that a float holds
+        return False
+
+
+def _shown(value: Any) -> str:
+    """A value on one line, however long."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -27,6 +27,9 @@ NOTE: Final = ".loopelastica"
 """Marks a folder that the program is writing: a lock, and the names of the files that are its own
 while there is no manifest."""
 
+NO_UTF8 = "backslashreplace"
+r"""How a file name that is no UTF-8 is written: \udcff for a byte, in JSON too."""
+
 
 def data_path(name: str) -> Path:
     """Path of a shipped file: inside an installed package, else in the checkout beside it."""
@@ -35,20 +38,72 @@ def data_path(name: str) -> Path:
     return (inside if inside.is_dir() else here.parent / "data") / name
 
 
+class OutputError(OSError):
+    """Something could not be written; ``filename`` is the path that a user knows of."""
+
+    def __str__(self) -> str:
+        return f"{self.filename}: cannot be written ({self.strerror})"
+
+
+class TakenError(OutputError, FileExistsError):
+    """A place is taken by something that the program may not touch."""
+
+    def __str__(self) -> str:
+        return f"{self.filename}: {self.strerror}"
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Name ``path`` where the block cannot write to it, or to a hidden place beside it.
+
+    Raises
+    ------
+    OutputError
+        For what the system refused. An error of reading another file passes as it is.
+    """
+    try:
+        yield
+    except TakenError:
+        raise
+    except OSError as error:
+        if not _is_of(path, error.filename):
+            raise
+        reason = "a file is there" if error.errno == errno.EEXIST else error.strerror or str(error)
+        raise OutputError(error.errno, reason, str(path)) from None
+
+
+def _is_of(path: Path, filename: Any) -> bool:
+    """Whether an error with this file name, or with none, is one of writing to a path."""
+    if not isinstance(filename, str):
+        return True
+    place, name = (Path(os.path.abspath(p)) for p in (path, filename))
+    hidden = (p for p in (name, *name.parents) if p.parent == place.parent)
+    beside = any(p.name.startswith((f".{place.name}.", f"{NOTE}-")) for p in hidden)
+    return beside or name in (place, *place.parents) or place in name.parents
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder for results, and those above it; OutputError where that cannot be."""
+    with writing(path):
+        path.mkdir(parents=True, exist_ok=True)
+
+
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
     """A path to write to, of the same suffix, that becomes ``path`` only without an error."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=".loopelastica-", suffix=path.suffix, dir=path.parent)
-    os.close(handle)
-    part = Path(name)
-    try:
-        yield part
-        # the temporary file is its owner's alone; a result is for whom the folder is for
-        part.chmod(0o666 & ~_umask())
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    with writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        suffix = path.suffix
+        handle, name = tempfile.mkstemp(prefix=f"{NOTE}-", suffix=suffix, dir=path.parent)
+        os.close(handle)
+        part = Path(name)
+        try:
+            yield part
+            # the temporary file is its owner's alone; a result is for whom the folder is for
+            part.chmod(0o666 & ~_umask())
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -70,17 +125,17 @@ def whole_folder(path: Path, manifest: str) -> Iterator[Path]:
 
     Raises
     ------
-    FileExistsError
+    TakenError
         If `path` is no folder, or holds something that was not written by this program under a
         name that is needed, or is being written by another run. Nothing is changed.
     """
     if path.is_symlink() or (path.exists() and not path.is_dir()):
         kind = "a symbolic link" if path.is_symlink() else "a file"
         raise _taken(path, f"this is {kind}, so no result is written there")
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     # always the same name, so that what a killed run has left is found again
     part = path.with_name(f".{path.name}.part")
-    with _locked(path, part):
+    with writing(path), _locked(path, part):
         try:
             _clear(part)
             yield part
@@ -198,7 +253,7 @@ def _is_file_name(name: object) -> bool:
 
 
 def _taken(path: Path, sentence: str) -> FileExistsError:
-    return FileExistsError(errno.EEXIST, sentence, str(path))
+    return TakenError(errno.EEXIST, sentence, str(path))
 
 
 def _umask() -> int:
@@ -211,7 +266,7 @@ def write_text(path: Path, text: str) -> None:
     """Write UTF-8 text, whole or not at all."""
     with whole_file(path) as part:
         # of a name that is no UTF-8 an escape is left, in JSON one that stands for the same name
-        part.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+        part.write_text(text, encoding="utf-8", errors=NO_UTF8, newline="\n")
 
 
 def write_json(path: Path, content: Any) -> None:
@@ -239,7 +294,10 @@ def write_csv(
         How many rows there were.
     """
     count = 0
-    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+    with (
+        whole_file(path) as part,
+        part.open("w", newline="", encoding="utf-8", errors=NO_UTF8) as file,
+    ):
         writer = None if columns is None else _writer(file, columns, "ignore")
         for row in rows:
             if writer is None:

@@ -1,8 +1,10 @@
 """Whole or not at all."""
 
 import contextlib
+import errno
 import json
 import os
+import pickle
 import stat
 from pathlib import Path
 
@@ -10,7 +12,9 @@ import pytest
 
 import loopelastica
 from loopelastica._files import (
+    OutputError,
     cells,
+    make_folder,
     sha256,
     whole_file,
     whole_folder,
@@ -264,3 +268,46 @@ def test_the_digest_is_the_published_one_of_abc(tmp_path):
     (tmp_path / "abc").write_bytes(b"abc")
     expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
     assert sha256(tmp_path / "abc") == expected
+
+
+def no_space(*_, **__):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_what_cannot_be_written_is_named_as_the_user_knows_it(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    folder = tmp_path / "folder.v2"
+    for path in (tmp_path / "file" / "a.csv", tmp_path / "file" / "a" / "b" / "c.csv"):
+        with pytest.raises(OutputError, match=rf"^{path}: cannot be written \((Not|a file)"):
+            write_csv(path, [{"a": 1}])
+    with pytest.raises(OutputError, match=rf"^{tmp_path / 'file'}: .*a file is there"):
+        make_folder(tmp_path / "file")
+    folder.mkdir()
+    with pytest.raises(OutputError, match=rf"^{folder}: cannot be written \(Is a directory"):
+        write_text(folder, "text")
+    monkeypatch.setattr(Path, "write_text", no_space)
+    sentence = rf"^{tmp_path / 'loop'}: cannot be written \(No space left on device\)$"
+    with pytest.raises(OutputError, match=sentence), whole_folder(tmp_path / "loop", "m.json") as part:
+        write_text(part / "a.txt", "text")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "folder.v2"]
+
+
+def test_an_error_of_reading_is_not_one_of_writing(tmp_path):
+    with pytest.raises(FileNotFoundError) as caught, whole_folder(tmp_path / "loop", "m.json"):
+        sha256(tmp_path / "absent.pdb")
+    assert not isinstance(caught.value, OutputError)
+    assert caught.value.filename == str(tmp_path / "absent.pdb")
+
+
+def test_the_sentence_comes_back_from_another_process():
+    error = OutputError(errno.ENOSPC, "No space left on device", "out/a.csv")
+    again = pickle.loads(pickle.dumps(error))
+    assert (str(again), again.errno) == (str(error), errno.ENOSPC)
+
+
+def test_names_that_are_no_utf8_are_written_all_the_same(tmp_path):
+    name = os.fsdecode(b"a\xff.pdb")
+    write_csv(tmp_path / "t.csv", [{"file": name}])
+    assert (tmp_path / "t.csv").read_text() == "file\na\\udcff.pdb\n"
+    write_json(tmp_path / "t.json", {"file": name})
+    assert json.loads((tmp_path / "t.json").read_text()) == {"file": name}

@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import optional, positive, whole
+from loopelastica._checks import optional, positive, reals, whole
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.checks import Checks, check
 from loopelastica.atoms.chemistry import LoopMolecule
@@ -24,7 +24,7 @@ from loopelastica.atoms.minimum import minimum
 from loopelastica.atoms.relax import Relaxed
 from loopelastica.atoms.site import Site, site_of
 from loopelastica.atoms.start import moved_out, shifted, start_on
-from loopelastica.atoms.turn import Turns, turned
+from loopelastica.atoms.turn import Turns, check_contact, turned
 from loopelastica.errors import StructureError
 from loopelastica.folding.rank import Candidate
 from loopelastica.folding.result import LoopFold
@@ -140,13 +140,17 @@ def build_atoms(
     """
     tries, max_steps = whole(1)("tries", tries), whole(1)("max_steps", max_steps)
     max_candidates = optional(whole(1))("max_candidates", max_candidates)
-    max_seconds = positive("max_seconds", max_seconds)
+    max_seconds, model = positive("max_seconds", max_seconds), whole(0)("model", model)
+    check_contact(contact)
+    if not isinstance(fold, LoopFold):
+        raise ValueError(f"`fold` is a {type(fold).__name__}; it must be a LoopFold")
     if fold.ends is None or not fold.candidates:
         raise StructureError(fold.failure or "the loop was not folded; it gets no atoms")
     structure = read_structure(structure)
-    if positions is None:
-        positions = structure.positions(model)
-    site = site_of(structure, fold, np.asarray(positions, dtype=np.float64))
+    at = structure.positions(model) if positions is None else reals("positions", positions)
+    if at.shape != structure.positions(0).shape:
+        raise ValueError(f"`positions` has shape {at.shape}; it must be that of all atoms")
+    site = site_of(structure, fold, at)
     chosen = fold.candidates[:max_candidates]
     models = []
     for done, candidate in enumerate(chosen, start=1):

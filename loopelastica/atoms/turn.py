@@ -85,6 +85,12 @@ class Turns:
     score: float
 
 
+def check_contact(contact: str | None) -> None:
+    """Raise ValueError unless `contact` is None or one that can be sought."""
+    if contact is not None and not (isinstance(contact, str) and contact in CONTACTS):
+        raise ValueError(f"`contact` is {contact!r}; it must be one of {', '.join(CONTACTS)}")
+
+
 def turned(
     letters: Sequence[str],
     is_dna: Sequence[bool],
@@ -118,8 +124,7 @@ def turned(
     ValueError
         If `contact` is unknown.
     """
-    if contact is not None and contact not in CONTACTS:
-        raise ValueError(f"`contact` is {contact!r}; it must be one of {', '.join(CONTACTS)}")
+    check_contact(contact)
     n = len(letters)
     states = [
         _states(letter, dna, line, k)

@@ -38,28 +38,28 @@ def fold_file(task: Task) -> Record:
     if not loops:
         failures.append(f"{source}: no hairpin loop found; nothing to fold")
     for loop in loops:
-        failures += [f"{source.name}: {sentence}" for sentence in loop.model_failures]
+        failures += [f"{source}: {sentence}" for sentence in loop.model_failures]
         if loop.failure is not None:
-            failures.append(f"{source.name}: {loop.failure}")
+            failures.append(f"{source}: {loop.failure}")
             continue
         folder = folders.claim(source, loop)
         try:
             record["folder_key"] = write_fold(folder, source, loop, structure, plot=plot)
         except FileExistsError as error:
-            failures.append(f"{error.filename}: {error.strerror}")
+            failures.append(str(error))
             record["refused"] = True
             continue
         rows += [{**r, "folder": folder.name} for r in loop_rows(source, loop)]
     return record
 
 
-def loop_rows(source: Path, loop: LoopFold) -> list[dict[str, Any]]:
+def loop_rows(source: Path | str, loop: LoopFold) -> list[dict[str, Any]]:
     """Rows of one loop: what it is, its clamp, and each candidate.
 
     Parameters
     ----------
-    source : Path
-        The file it is from.
+    source : Path or str
+        The file it is from; of a run its path as it was given stands in the table.
     loop : LoopFold
         With at least one candidate.
 
@@ -71,7 +71,7 @@ def loop_rows(source: Path, loop: LoopFold) -> list[dict[str, Any]]:
     assert loop.ends is not None
     hairpin = loop.hairpin
     about = {
-        "file": source.name,
+        "file": str(source),
         "loop": hairpin.name,
         "kind": hairpin.kind,
         "closing_pair": hairpin.label,
@@ -91,4 +91,4 @@ def _results_are_there(task: Task, record: Record) -> bool:
     )
 
 
-FOLDS = Work("candidates", fold_file, COLUMNS, _results_are_there)
+FOLDS = Work("summary", fold_file, COLUMNS, _results_are_there)

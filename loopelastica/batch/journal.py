@@ -1,14 +1,18 @@
 """The journal of a run: one line of JSON per finished file, never rewritten.
 
-A killed run may leave half a line at the end; it is cut off when the journal is opened again.
-Records stay on disk; only where each begins is kept in memory.
+A killed run may leave half a line at the end; it is cut off when the journal is opened again. Each
+line carries a checksum. One that is damaged, wherever it stands and however, is passed over, and
+its file is done again. Records stay on disk; only where each begins is kept in memory.
 """
 
+import hashlib
 import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+
+from loopelastica._files import writing
 
 Record = dict[str, Any]
 
@@ -20,20 +24,32 @@ class Journal:
     ----------
     path : Path
         The file; its folder must exist.
+
+    Attributes
+    ----------
+    damaged : int
+        Lines that were found to be no records.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.damaged = 0
         self._begins: dict[str, int] = {}
-        whole = 0
-        if path.exists():
-            with path.open("rb") as file:
-                for line in file:
-                    key = _key(line)
-                    if key is None:
-                        break
-                    self._begins[key] = whole
-                    whole += len(line)
+        begin = whole = 0
+        if not path.exists():
+            return
+        with path.open("rb") as file:
+            for line in file:
+                begin, whole = whole, whole + len(line)
+                if not line.endswith(b"\n"):
+                    whole = begin
+                    break
+                record = _record(line)
+                if record is None:
+                    self.damaged += 1
+                else:
+                    self._begins[record["key"]] = begin
+        with writing(path):
             os.truncate(path, whole)
 
     def __contains__(self, key: str) -> bool:
@@ -44,7 +60,8 @@ class Journal:
         """The record of a finished file, read from disk."""
         with self.path.open("rb") as file:
             file.seek(self._begins[key])
-            record: Record = json.loads(file.readline())
+            record = _record(file.readline())
+        assert record is not None
         return record
 
     def add(self, key: str, record: Record) -> None:
@@ -56,9 +73,15 @@ class Journal:
             Digest of the file and of what is done.
         record : dict
             JSON-ready.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written.
         """
-        line = json.dumps({"key": key, **record}, allow_nan=False, ensure_ascii=False) + "\n"
-        with self.path.open("ab") as file:
+        content = {"key": key, **record}
+        line = json.dumps({"check": _check(content), **content}, allow_nan=False) + "\n"
+        with writing(self.path), self.path.open("ab") as file:
             begin = file.tell()
             # of a file name that is no UTF-8 an escape is left, which JSON reads back
             file.write(line.encode(errors="backslashreplace"))
@@ -71,11 +94,15 @@ class Journal:
         return (self[key] for key in keys if key in self)
 
 
-def _key(line: bytes) -> str | None:
-    """Key of a whole line; None where it is cut or no record."""
-    if not line.endswith(b"\n"):
-        return None
+def _check(content: Record) -> str:
+    return hashlib.sha256(json.dumps(content, allow_nan=False).encode()).hexdigest()[:16]
+
+
+def _record(line: bytes) -> Record | None:
+    """The record of a line; None where it is damaged."""
     try:
-        return str(json.loads(line)["key"])
-    except (ValueError, KeyError, TypeError):
+        record: Record = json.loads(line)
+        return record if record.pop("check") == _check(record) else None
+    # whatever a line of other text, other JSON or other types provokes
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None

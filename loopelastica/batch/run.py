@@ -1,18 +1,25 @@
-"""A resumable run over files: journal, growing table, final table."""
+"""A resumable run over files: journal, growing table, final tables."""
 
 import csv
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from loopelastica._files import cells, whole_file, write_csv
+from loopelastica._files import NO_UTF8, cells, whole_file, write_csv, writing
 from loopelastica._names import safe_stem
 from loopelastica._version import __version__
 from loopelastica.batch.journal import Journal, Record
-from loopelastica.batch.workers import outcomes
+from loopelastica.batch.lock import alone_in
+from loopelastica.batch.workers import check_workers, outcomes
+from loopelastica.errors import LoopelasticaError
+
+Row = Mapping[str, Any]
+FAILURE_COLUMNS = ("file", "failure")
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,22 +29,32 @@ class Task:
     Attributes
     ----------
     source : str
-        Path of the file.
+        Absolute path of the file: workers may be at home in other folders.
     number : int
         1, or 2, 3 … for further files of the same name.
     options : dict
         Options of the work, JSON-ready.
     out : str
         Folder of the run.
+    file : str
+        The path as the user gave it, for tables and sentences.
     """
 
     source: str
     number: int
     options: dict[str, Any]
     out: str
+    file: str
 
     def __str__(self) -> str:
         return self.source
+
+    def as_given(self, sentence: str, out: Path) -> str:
+        """A sentence about the file or its results, with the paths as they were given."""
+        for absolute, given in ((f"{self.source}: ", f"{self.file}: "), (self.out, str(out))):
+            if sentence.startswith(absolute):
+                return given + sentence[len(absolute) :]
+        return sentence
 
     @property
     def key(self) -> str:
@@ -60,7 +77,7 @@ class Work:
     Attributes
     ----------
     name : str
-        Stem of the table's name, such as "candidates".
+        Stem of the table's name, such as "summary".
     function : callable
         Task → record with ``rows`` and ``failures``; importable by name.
     columns : tuple of str
@@ -83,28 +100,69 @@ class Run:
     ----------
     table : Path
         Its table.
-    records : iterator of dict
-        What is in the journal, file by file in the order of the input.
-    n_files, n_resumed, n_rows : int
-        Files; those found done; rows of the table.
+    rows : iterator of dict
+        Of the journal, with all entries, in the order of the input.
+    n_files, n_done, n_resumed, n_rows : int
+        Files; those that are done, and need not be done again; those that were done before; rows
+        of the table.
     failures : tuple of str
         One sentence for each file or loop that failed.
+    notes : tuple of str
+        One sentence for each thing about the run that a user should be aware of.
     """
 
     table: Path
-    records: Iterator[Record]
+    rows: Iterator[Row]
     n_files: int
+    n_done: int
     n_resumed: int
     n_rows: int
     failures: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def so_far(self) -> str:
+        """What is done, where something has ended the run."""
+        return (
+            f"{self.n_done} of {self.n_files} files are done and kept, and the same command goes on"
+            " from there"
+        )
 
 
-def tasks_of(sources: Iterable[Path], options: dict[str, Any], out: Path) -> list[Task]:
+def distinct(sources: Iterable[str | Path]) -> tuple[list[str], list[str]]:
+    """Each file once, however often and by whatever path it is given.
+
+    Parameters
+    ----------
+    sources : iterable of str or Path
+        Relative or absolute, symbolic links too.
+
+    Returns
+    -------
+    first : list of str
+        The path by which each file was given first, in their order.
+    notes : list of str
+        One sentence for each that was left out.
+    """
+    first: dict[str, str] = {}
+    notes = []
+    for source in map(str, sources):
+        place = os.path.realpath(source)
+        if place in first:
+            known = first[place]
+            same = "was given before" if known == source else f"is the same file as {known}"
+            notes.append(f"{source} {same}; it counts once")
+        else:
+            first[place] = source
+    return list(first.values()), notes
+
+
+def tasks_of(sources: Iterable[str | Path], options: dict[str, Any], out: Path) -> list[Task]:
     """One task per file.
 
     Parameters
     ----------
-    sources : iterable of Path
+    sources : iterable of str or Path
         Files of one name are numbered in their order.
     options : dict
         Options of the work, JSON-ready.
@@ -117,10 +175,11 @@ def tasks_of(sources: Iterable[Path], options: dict[str, Any], out: Path) -> lis
     """
     seen: dict[str, int] = {}
     tasks = []
-    for source in sources:
-        stem = safe_stem(source)
+    for source in map(str, sources):
+        stem = safe_stem(Path(source))
         seen[stem] = seen.get(stem, 0) + 1
-        tasks.append(Task(str(source.resolve()), seen[stem], options, str(out.resolve())))
+        absolute, folder = os.path.abspath(source), os.path.abspath(out)
+        tasks.append(Task(absolute, seen[stem], options, folder, source))
     return tasks
 
 
@@ -131,6 +190,7 @@ def run(
     jobs: int = 1,
     scheduler: str | None = None,
     progress: bool = False,
+    wording: Callable[[str], str] = str,
 ) -> Run:
     """Do the work on every file that is not in the journal in `out` yet.
 
@@ -149,6 +209,8 @@ def run(
         As for :func:`loopelastica.batch.workers.outcomes`.
     progress : bool
         Show a bar.
+    wording : callable
+        Sentence → sentence, for those of failures: how options are called where the user sees them.
 
     Returns
     -------
@@ -159,57 +221,128 @@ def run(
     MissingDependencyError
         If dask is needed and not installed.
     ValueError
-        If `jobs` is below 1 or the scheduler cannot be reached.
+        If `jobs` is no whole number, 1 or more, or `scheduler` no address.
+    LoopelasticaError
+        If another run is at work in the folder; or the scheduler, all workers or the disk end this
+        one early. The tables then hold what is done, and a further run goes on from there.
+    KeyboardInterrupt
+        As before, with a sentence.
     """
-    from tqdm import tqdm
-
-    out.mkdir(parents=True, exist_ok=True)
-    journal = Journal(out / f".{work.name}.journal")
-    table = out / f"{work.name}.csv"
-    keys = [task.key for task in tasks]
-    done = [
-        key
-        for key, task in zip(keys, tasks, strict=True)
-        if key in journal and work.intact(task, journal[key])
-    ]
-    known = set(done)
-    waiting = [task for key, task in zip(keys, tasks, strict=True) if key not in known]
-    _write_rows(table, work.columns, journal.records(done))
-    again = []
-    with (
-        table.open("a", newline="", encoding="utf-8") as file,
-        tqdm(total=len(tasks), initial=len(done), disable=not progress, unit="file") as bar,
-    ):
-        writer = csv.DictWriter(file, work.columns, extrasaction="ignore", lineterminator="\n")
-        for outcome in outcomes(work.function, waiting, jobs, scheduler):
-            bar.update()
-            if not outcome.final:
-                again.append({"file": outcome.task.source, "failure": outcome.failure})
-                continue  # not in the journal: the next run tries it again
-            record = outcome.value or {"rows": [], "failures": [outcome.failure]}
-            journal.add(outcome.task.key, {"file": outcome.task.source, **record})
-            writer.writerows(cells(row) for row in record["rows"])
-            file.flush()
-    n_rows = _write_rows(table, work.columns, journal.records(keys))
-    failures = [
-        {"file": record["file"], "failure": sentence}
-        for record in journal.records(keys)
-        for sentence in record["failures"]
-    ] + again
-    write_csv(out / "failures.csv", failures, ("file", "failure"))
-    _write_parquet(table)
-    return Run(
-        table,
-        journal.records(keys),
-        len(tasks),
-        len(done),
-        n_rows,
-        tuple(f["failure"] for f in failures),
-    )
+    jobs = check_workers(jobs, scheduler)
+    with alone_in(out):
+        book = _Book(work, tasks, out, wording)
+        try:
+            book.work_off(jobs, scheduler, progress)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(book.close().so_far) from None
+        except (LoopelasticaError, OSError) as error:
+            raise LoopelasticaError(f"{error}; {book.close().so_far}") from None
+        return book.close()
 
 
-def _write_rows(table: Path, columns: tuple[str, ...], records: Iterator[Record]) -> int:
-    return write_csv(table, (row for record in records for row in record["rows"]), columns)
+class _Book:
+    """Journal and tables of a run under way."""
+
+    def __init__(
+        self, work: Work, tasks: Sequence[Task], out: Path, wording: Callable[[str], str]
+    ) -> None:
+        self.work, self.out, self.wording = work, out, wording
+        self.table = out / f"{work.name}.csv"
+        self.failures = out / "failures.csv"
+        for table in (self.table, self.failures, self.table.with_suffix(".parquet")):
+            # what a killed run has begun
+            for begun in out.glob(f".{table.stem}.*{table.suffix}"):
+                begun.unlink(missing_ok=True)
+        self.journal = Journal(out / f".{work.name}.journal")
+        self.tasks = {task.key: task for task in tasks}
+        # a file that changes meanwhile is done again by the next run: its key is that of the start
+        self.keys = {(task.source, task.number): key for key, task in self.tasks.items()}
+        self.done = [
+            key
+            for key, task in self.tasks.items()
+            if key in self.journal and work.intact(task, self.journal[key])
+        ]
+        self.n_resumed = len(self.done)
+        # failures that another run may not meet again, and that the journal does not keep
+        self.again: dict[str, str] = {}
+
+    def work_off(self, jobs: int, scheduler: str | None, progress: bool) -> None:
+        """Do what is not done yet; the table grows with it."""
+        from tqdm import tqdm
+
+        known = set(self.done)
+        waiting = [task for key, task in self.tasks.items() if key not in known]
+        write_csv(self.table, self.rows(), self.work.columns)
+        total = len(self.tasks)
+        with (
+            tqdm(total=total, initial=len(known), disable=not progress, unit="file") as bar,
+            writing(self.table),
+            self.table.open("a", newline="", encoding="utf-8", errors=NO_UTF8) as file,
+            ExitStack() as stack,
+        ):
+            writer = csv.DictWriter(
+                file, self.work.columns, extrasaction="ignore", lineterminator="\n"
+            )
+            if not waiting:
+                return
+            # no more processes than files, but never this one where others are wanted
+            few = jobs if jobs == 1 else max(2, min(jobs, len(waiting)))
+            found = stack.enter_context(
+                closing(outcomes(self.work.function, waiting, few, scheduler))
+            )
+            for outcome in found:
+                bar.update()
+                task = outcome.task
+                key = self.keys[task.source, task.number]
+                if not outcome.final:
+                    self.again[key] = outcome.failure or ""
+                    continue  # not in the journal: the next run tries it again
+                record = outcome.value or {"rows": [], "failures": [outcome.failure]}
+                self.journal.add(key, {"file": task.source, **record})
+                self.done.append(key)
+                writer.writerows(cells({**row, "file": task.file}) for row in record["rows"])
+                file.flush()
+
+    def rows(self) -> Iterator[Row]:
+        """Rows of what is done, in the order of the input."""
+        done = set(self.done)
+        for key, task in self.tasks.items():
+            if key in done:
+                for row in self.journal[key]["rows"]:
+                    yield {**row, "file": task.file}
+
+    def _failures(self) -> Iterator[dict[str, str]]:
+        done = set(self.done)
+        for key, task in self.tasks.items():
+            sentences = self.journal[key]["failures"] if key in done else []
+            if key in self.again:
+                sentences = [self.again[key]]
+            for sentence in sentences:
+                yield {
+                    "file": task.file,
+                    "failure": self.wording(task.as_given(sentence, self.out)),
+                }
+
+    def close(self) -> Run:
+        """Write the tables in the order of the input."""
+        n_rows = write_csv(self.table, self.rows(), self.work.columns)
+        failures = list(self._failures())
+        write_csv(self.failures, failures, FAILURE_COLUMNS)
+        _write_parquet(self.table)
+        notes = []
+        if damaged := self.journal.damaged:
+            lines = "a line is" if damaged == 1 else f"{damaged} lines are"
+            notes.append(f"{self.journal.path}: {lines} damaged; what stood there is done again")
+        return Run(
+            self.table,
+            self.rows(),
+            len(self.tasks),
+            len(self.done),
+            self.n_resumed,
+            n_rows,
+            tuple(f["failure"] for f in failures),
+            tuple(notes),
+        )
 
 
 def _write_parquet(table: Path) -> None:

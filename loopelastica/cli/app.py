@@ -5,14 +5,18 @@ from typing import Annotated
 
 import typer
 
+from loopelastica.cli.bench import bench
 from loopelastica.cli.build import build
+from loopelastica.cli.evaluate import evaluate
 from loopelastica.cli.fold import fold
+from loopelastica.cli.program import EPILOG, Command, Program
 from loopelastica.cli.rod import solve, warm
 from loopelastica.cli.structure import hairpins, scan
-from loopelastica.cli.studies import bench, evaluate
 
 app = typer.Typer(
+    cls=Program,
     help="Folds nucleic-acid hairpin loops as elastic rods clamped to their stems.",
+    epilog=EPILOG,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -20,7 +24,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 for command in (fold, build, evaluate, scan, hairpins, solve, warm):
-    app.command()(command)
+    app.command(cls=Command)(command)
 app.add_typer(bench, name="bench")
 
 

@@ -2,13 +2,17 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from loopelastica.cli import options as o
+from loopelastica.cli.program import in_options, tell
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from loopelastica.batch.run import Row
     from loopelastica.folding.options import FoldOptions
     from loopelastica.folding.result import LoopFold
     from loopelastica.report.folder import Folders
@@ -42,20 +46,19 @@ def fold(
 ) -> None:
     """Fold every hairpin loop of the files; write tables, traces and a picture per hairpin.
 
-    With --jobs or --scheduler for thousands of files: candidates.csv grows as results come, and the
-    same command resumes a run that was stopped.
+    The folder for the results gets summary.csv, a row per candidate, and failures.csv. With --jobs
+    or --scheduler, for thousands of files, the same command resumes a run that was stopped.
     """
     from loopelastica.folding.options import FoldOptions
 
     many = jobs is not None or scheduler is not None
-    for refused, sentence in (
+    o.refuse(
         (torsion_ratio is not None and not darboux, "--torsion-ratio needs --darboux"),
         (contact is not None and not atoms, "--contact needs --atoms"),
         (many and atoms, "--atoms goes without --jobs and --scheduler"),
         (many and whole is True, "--whole goes without --jobs and --scheduler"),
-    ):
-        if refused:
-            raise typer.BadParameter(sentence)
+        o.either(jobs, scheduler),
+    )
     with o.usage():
         options = FoldOptions(
             free_spin=not darboux,
@@ -73,6 +76,10 @@ def fold(
             dot_bracket=dot_bracket,
             loop=loop or (),
         )
+        if contact is not None:
+            from loopelastica.atoms.turn import check_contact
+
+            check_contact(contact)
     if many:
         _fold_many(files, out, options, plot, jobs or 1, scheduler)
     else:
@@ -80,7 +87,7 @@ def fold(
 
 
 def _fold_many(
-    files: list[Path],
+    files: list[str],
     out: Path,
     options: "FoldOptions",
     plot: bool,
@@ -88,16 +95,29 @@ def _fold_many(
     scheduler: str | None,
 ) -> None:
     from loopelastica.batch.folds import FOLDS
-    from loopelastica.batch.run import run, tasks_of
+    from loopelastica.batch.run import distinct, run, tasks_of
 
+    files, notes = distinct(files)
     with o.usage():
         tasks = tasks_of(files, {**options.to_dict(), "plot": plot}, out)
-        done = run(FOLDS, tasks, out, jobs, scheduler, progress=True)
-    o.say(
+        done = run(FOLDS, tasks, out, jobs, scheduler, progress=True, wording=in_options)
+    tell(
         f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} candidates in"
         f" {done.table}"
     )
+    o.note([*notes, *done.notes, *_of_earlier_runs(out, done.rows)])
     o.fail_of_many(done.failures, out)
+
+
+def _of_earlier_runs(out: Path, rows: "Iterable[Row]") -> list[str]:
+    """A note that names what lies in the folder besides the results of this run."""
+    from loopelastica.report.folder import other_folds
+
+    others = other_folds(out, {row["folder"] for row in rows})
+    if not others:
+        return []
+    names = ", ".join(o.screenful(others, "of the kind"))
+    return [f"{out} holds results of earlier runs that are not in summary.csv: {names}"]
 
 
 @dataclass(frozen=True)
@@ -112,66 +132,70 @@ class _Output:
 
 @dataclass
 class _Results:
-    """What became of the files: rows of the table, notes, and sentences for what failed."""
+    """What became of the files: for the screen, for the tables, and to be said."""
 
-    rows: "list[tuple[str, LoopFold | str, Path | None]]" = field(default_factory=list)
+    shown: "list[tuple[str, LoopFold | str, Path | None]]" = field(default_factory=list)
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    failures: list[dict[str, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    without_atoms: list[str] = field(default_factory=list)
+    n_done: int = 0
 
-    @property
-    def failures(self) -> list[str]:
-        failed = [
-            result if isinstance(result, str) else f"{name}: {result.failure}"
-            for name, result, _ in self.rows
-            if isinstance(result, str) or result.failure
-        ]
-        return failed + self.without_atoms
+    def failed(self, file: str, sentence: str) -> None:
+        """Keep what has failed, with options as they are called on the command line."""
+        self.failures.append({"file": file, "failure": in_options(sentence)})
 
-    @property
-    def model_failures(self) -> list[str]:
-        return [
-            f"{name}: {sentence}"
-            for name, result, _ in self.rows
-            if not isinstance(result, str)
-            for sentence in result.model_failures
-        ]
+    def write(self, out: Path) -> None:
+        """Write the tables, as a run over many files does."""
+        from loopelastica._files import write_csv
+        from loopelastica.batch.folds import COLUMNS
+        from loopelastica.batch.run import FAILURE_COLUMNS
+
+        write_csv(out / "summary.csv", self.rows, COLUMNS)
+        write_csv(out / "failures.csv", self.failures, FAILURE_COLUMNS)
 
 
-def _fold_each(files: list[Path], out: Path, options: "FoldOptions", output: _Output) -> None:
+def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Output) -> None:
     from tqdm import tqdm
 
-    from loopelastica._names import printable
-    from loopelastica.errors import LoopelasticaError
+    from loopelastica.batch.lock import alone_in
+    from loopelastica.batch.run import distinct
+    from loopelastica.batch.workers import attempt
     from loopelastica.report.folder import Folders
     from loopelastica.report.tables import console, fold_table
 
-    results, folders = _Results(), Folders(out)
-    for file in tqdm(files, disable=len(files) < 2, unit="file", leave=False):
+    files, notes = distinct(files)
+    results, folders = _Results(notes=notes), Folders(out)
+
+    def fold_next(file: str) -> None:
+        _fold_file(file, options, folders, results, output)
+
+    with alone_in(out):
         try:
-            _fold_file(file, options, folders, results, output)
-        except LoopelasticaError as error:
-            results.rows.append((file.name, str(error), None))
-        except ValueError as error:
-            # an option out of range concerns every file
-            raise typer.BadParameter(printable(str(error))) from None
-        except OSError as error:
-            sentence = f"{error.filename or file}: {error.strerror}"
-            results.rows.append((file.name, sentence, None))
-    console().print(fold_table(results.rows))
-    for sentence in results.notes:
-        o.say(f"note: {sentence}")
-    failures = results.failures
-    for sentence in (*failures, *results.model_failures):
-        o.say(sentence, err=True)
-    if failures:
-        raise typer.Exit(1)
+            for file in tqdm(files, disable=len(files) < 2, unit="file", leave=False):
+                outcome = attempt(fold_next, file)
+                if outcome.failure is not None:
+                    results.failed(file, outcome.failure)
+                    results.shown.append((Path(file).name, outcome.failure, None))
+                results.n_done += 1
+        except KeyboardInterrupt:
+            results.write(out)
+            raise KeyboardInterrupt(
+                f"{results.n_done} of {len(files)} files are done; the same command folds all of"
+                " them again, with --jobs 1 it goes on where it was stopped"
+            ) from None
+        results.write(out)
+        results.notes += _of_earlier_runs(out, results.rows)
+    console().print(fold_table(results.shown))
+    o.note(results.notes)
+    o.fail([failure["failure"] for failure in results.failures])
 
 
 def _fold_file(
-    file: Path, options: "FoldOptions", folders: "Folders", results: _Results, output: _Output
+    file: str, options: "FoldOptions", folders: "Folders", results: _Results, output: _Output
 ) -> None:
+    from loopelastica.batch.folds import loop_rows
     from loopelastica.cli.build import atoms_of
-    from loopelastica.errors import LoopelasticaError
+    from loopelastica.errors import LoopelasticaError, StructureError
     from loopelastica.folding.fold import fold_hairpins
     from loopelastica.molecule.hairpins import find_hairpins
     from loopelastica.molecule.nucleotides import read_structure
@@ -179,6 +203,7 @@ def _fold_file(
     from loopelastica.report.listing import remarks
     from loopelastica.report.pdb import WHOLE_ATOMS, WholeStructure, renamed
 
+    path = Path(file)
     structure = read_structure(file)
     found = find_hairpins(structure, **options.selection)
     sentences = remarks(structure, found)
@@ -191,21 +216,28 @@ def _fold_file(
         for chain, letter in renamed(structure.nucleotides.chain.tolist()).items()
     ]
     if not loops:
-        results.rows.append((file.name, f"{file}: no hairpin loop found; nothing to fold", None))
+        results.notes += [f"{file}: {sentence}" for sentence in sentences]
+        raise StructureError(f"{file}: no hairpin loop found; nothing to fold")
     for loop in loops:
-        folder = None
-        if loop.failure is None:
-            folder, built = folders.claim(file, loop), None
-            try:
-                if output.atoms:
-                    built = atoms_of(structure, loop, structure.positions(0), output.contact)
-            except LoopelasticaError as error:
-                results.without_atoms.append(f"{file.name}: {error}")
-            try:
-                write_fold(folder, file, loop, structure, output.plot, full, built)
-            except FileExistsError as error:
-                results.rows.append((file.name, f"{error.filename}: {error.strerror}", None))
-                continue
+        for sentence in loop.model_failures:
+            results.failed(file, f"{file}: {sentence}")
+        if loop.failure is not None:
+            results.failed(file, f"{file}: {loop.failure}")
+            results.shown.append((path.name, loop, None))
+            continue
+        folder, built = folders.claim(path, loop), None
+        try:
+            if output.atoms:
+                built = atoms_of(structure, loop, structure.positions(0), output.contact)
+        except LoopelasticaError as error:
+            results.failed(file, f"{file}: {error}")
+        try:
+            write_fold(folder, path, loop, structure, output.plot, full, built)
+        except FileExistsError as error:
+            results.failed(file, str(error))
+            results.shown.append((path.name, str(error), None))
+            continue
+        results.rows += [{**row, "folder": folder.name} for row in loop_rows(file, loop)]
+        results.shown.append((path.name, loop, folder))
         sentences += loop.remarks
-        results.rows.append((file.name, loop, folder))
-    results.notes += [f"{file.name}: {sentence}" for sentence in sentences]
+    results.notes += [f"{file}: {sentence}" for sentence in sentences]

@@ -1,7 +1,6 @@
 """Options that commands share, and how a refusal becomes a sentence and an exit status.
 
-A sentence goes to the standard error. The exit status is 1 where the input cannot be used, 2 where
-an argument or an option is wrong.
+A sentence goes to the standard error; :mod:`loopelastica.cli.program` has the exit statuses.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,9 +11,11 @@ from typing import Annotated
 import typer
 
 from loopelastica._names import printable
+from loopelastica.cli.program import in_options, say, tell
 
+# as they are given: a path object would drop a leading ./
 Files = Annotated[
-    list[Path], typer.Argument(help="PDB or mmCIF files, gzipped or not.", show_default=False)
+    list[str], typer.Argument(help="PDB or mmCIF files, gzipped or not.", show_default=False)
 ]
 File = Annotated[Path, typer.Argument(help="PDB or mmCIF file.", show_default=False)]
 Out = Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")]
@@ -108,40 +109,61 @@ Scheduler = Annotated[
 @contextmanager
 def usage() -> Iterator[None]:
     """An argument out of range ends the program with exit status 2."""
-    from loopelastica.errors import MissingDependencyError
-
     try:
         yield
-    except (ValueError, MissingDependencyError) as error:
-        raise typer.BadParameter(printable(str(error))) from None
-
-
-@contextmanager
-def refusals(file: Path) -> Iterator[None]:
-    """A file that cannot be used ends the program with one sentence and exit status 1."""
-    from loopelastica.errors import LoopelasticaError
-
-    try:
-        yield
-    except LoopelasticaError as error:
-        fail([str(error)])
     except ValueError as error:
-        raise typer.BadParameter(printable(str(error))) from None
-    except OSError as error:
-        fail([f"{error.filename or file}: {error.strerror}"])
+        raise typer.BadParameter(printable(in_options(str(error)))) from None
 
 
-def say(sentence: str, err: bool = False) -> None:
-    """Print a sentence in one line, whatever the names in it are made of."""
-    typer.echo(printable(sentence), err=err)
+def either(jobs: int | None, scheduler: str | None) -> tuple[bool, str]:
+    """The rule that workers are those of a cluster of one's own or of another."""
+    return jobs is not None and scheduler is not None, "--jobs goes without --scheduler"
+
+
+def refuse(*rules: tuple[bool, str]) -> None:
+    """End the program with exit status 2 for the first rule that holds.
+
+    Parameters
+    ----------
+    *rules : (bool, str)
+        Whether options are given that do not go together, and a sentence.
+    """
+    for broken, sentence in rules:
+        if broken:
+            raise typer.BadParameter(sentence)
 
 
 def fail(sentences: Sequence[str]) -> None:
     """Print what failed and exit with status 1; do nothing if nothing failed."""
     for sentence in sentences:
-        say(sentence, err=True)
+        say(sentence)
     if sentences:
         raise typer.Exit(1)
+
+
+def note(sentences: Sequence[str]) -> None:
+    """Print what a user should be aware of."""
+    for sentence in sentences:
+        tell(f"note: {in_options(sentence)}")
+
+
+def screenful(sentences: Sequence[str], rest: str) -> list[str]:
+    """The first twenty sentences, and how many more there are.
+
+    Parameters
+    ----------
+    sentences : sequence of str
+        Any number.
+    rest : str
+        Where the others are, such as "in out/failures.csv".
+
+    Returns
+    -------
+    list of str
+    """
+    shown = 20
+    more = [f"{len(sentences) - shown} more {rest}"] if len(sentences) > shown else []
+    return [*sentences[:shown], *more]
 
 
 def fail_of_many(failures: Sequence[str], out: Path) -> None:
@@ -154,6 +176,4 @@ def fail_of_many(failures: Sequence[str], out: Path) -> None:
     out : Path
         Folder of the run, whose failures.csv has them all.
     """
-    shown = 20
-    more = [f"{len(failures) - shown} more in {out / 'failures.csv'}"]
-    fail([*failures[:shown], *(more if len(failures) > shown else [])])
+    fail(screenful(failures, f"in {out / 'failures.csv'}"))

@@ -15,7 +15,9 @@ def solve(
             "--clamping", help='The six clamping parameters, e.g. "-0.4 -0.1 0.5 4.8 1.4 2.2".'
         ),
     ],
-    torsion_ratio: Annotated[float, typer.Option(help="K30 = K3/K0.")] = 1.0,
+    torsion_ratio: Annotated[
+        float | None, typer.Option(help="K30 = K3/K0; default 1.", show_default=False)
+    ] = None,
     free_spin: Annotated[
         bool, typer.Option("--free-spin", help="Let the end turn about its tangent.")
     ] = False,
@@ -25,12 +27,19 @@ def solve(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Solve a dimensionless rod: its equilibria for a clamping (η1 η2 η3 ψ θ φ), angles in rad."""
+    from loopelastica._checks import optional, positive
     from loopelastica.rod.clamping import Clamping
     from loopelastica.rod.equilibria import equilibria
 
+    o.refuse(
+        (free_spin and torsion_ratio is not None, "--torsion-ratio goes without --free-spin"),
+    )
+    with o.usage():
+        ratio = positive("torsion_ratio", 1.0 if torsion_ratio is None else torsion_ratio)
+        energy_max = optional(positive)("energy_max", energy_max)
     try:
         values = [float(v) for v in clamping.replace(",", " ").split()]
-        rods = equilibria(Clamping.from_parameters(values, free_spin), torsion_ratio, energy_max)
+        rods = equilibria(Clamping.from_parameters(values, free_spin), ratio, energy_max)
     except ValueError as error:
         raise typer.BadParameter(f"--clamping {clamping!r}: {error}") from None
     if as_json:

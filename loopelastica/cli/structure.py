@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from loopelastica.cli import options as o
+from loopelastica.cli.program import tell
 
 
 def hairpins(
@@ -19,26 +20,27 @@ def hairpins(
 ) -> None:
     """List the hairpin loops of a file, and its secondary structure in dot-bracket notation."""
     from loopelastica._files import write_json
+    from loopelastica.folding.options import LoopOptions
     from loopelastica.molecule.hairpins import find_hairpins
     from loopelastica.molecule.nucleotides import read_structure
     from loopelastica.report.listing import listing, remarks
     from loopelastica.report.tables import console, hairpins_table
 
-    with o.refusals(json_file or file):
+    with o.usage():
+        selection = LoopOptions(pair=pair or (), dot_bracket=dot_bracket, loop=loop or ()).selection
         structure = read_structure(file)
-        found = find_hairpins(structure, pair=pair or (), dot_bracket=dot_bracket, loop=loop or ())
-        content = listing(structure, found)
-        if json_file is not None:
-            write_json(json_file, content)
+        found = find_hairpins(structure, **selection)
+    content = listing(structure, found)
+    if json_file is not None:
+        write_json(json_file, content)
     if found:
         console().print(hairpins_table(content["hairpins"]))
     for chain in content["chains"]:
-        o.say(f">{chain['chain'] or '_'} {chain['first']}-{chain['last']}")
+        tell(f">{chain['chain'] or '_'} {chain['first']}-{chain['last']}")
         typer.echo(chain["sequence"])
         typer.echo(chain["dot_bracket"])
     refused = [hairpin["refusal"] for hairpin in content["hairpins"] if hairpin["refusal"]]
-    for sentence in (*remarks(structure, found), *refused):
-        o.say(f"note: {sentence}")
+    o.note([*remarks(structure, found), *refused])
     if not found:
         o.fail([f"{file}: no hairpin loop found"])
 
@@ -60,7 +62,7 @@ def scan(
     from loopelastica.folding.scan import scan as scan_file
     from loopelastica.report.tables import console, scan_table
 
-    with o.refusals(file):
+    with o.usage():
         scans = scan_file(
             file,
             extend_5_max=extend_5,

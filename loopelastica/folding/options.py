@@ -20,11 +20,10 @@ from loopelastica._checks import (
     numbers,
     optional,
     positive,
-    text,
-    texts,
     whole,
 )
 from loopelastica.molecule.clamp_rule import RNA_TAPER
+from loopelastica.molecule.selection import brackets, places
 
 TAPER_MAX = 0.3
 """Beyond, the continued strand would turn straight to its axis."""
@@ -71,9 +70,9 @@ class LoopOptions:
     length_per_nucleotide_A: float | None = _option(None, optional(positive))
     persistence_length_A: float = _option(PERSISTENCE_LENGTH_A, positive)
     irregular: bool = _option(False, flag)
-    pair: str | Sequence[str] = _option((), texts)
-    dot_bracket: str | None = _option(None, optional(text))
-    loop: str | Sequence[str] = _option((), texts)
+    pair: str | Sequence[str] = _option((), places)
+    dot_bracket: str | None = _option(None, optional(brackets))
+    loop: str | Sequence[str] = _option((), places)
 
     def __post_init__(self) -> None:
         for item in fields(self):

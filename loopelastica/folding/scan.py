@@ -176,9 +176,11 @@ def _plain_and_rule(stem: FittedStem, options: ScanOptions) -> tuple[StemClamp, 
 
 def _feasible(stem: FittedStem, plain: StemClamp, options: ScanOptions) -> Iterator[StemEnds]:
     """The ends of every clamp that a rod of its length spans."""
-    extend_5, extend_3 = range(options.extend_5_max + 1), range(options.extend_3_max + 1)
+    most = len(stem.hairpin) - FREE_MIN
+    extend_5 = range(min(options.extend_5_max, most) + 1)
+    extend_3 = range(min(options.extend_3_max, most) + 1)
     for five, three, taper in product(extend_5, extend_3, options.tapers):
-        if len(stem.hairpin) - five - three < FREE_MIN:
+        if five + three > most:
             continue
         clamp = replace(plain, stem_extend_5=five, stem_extend_3=three, taper=taper)
         try:

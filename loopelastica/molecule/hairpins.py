@@ -19,12 +19,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import texts, whole
+from loopelastica._checks import optional, whole
 from loopelastica.errors import StructureError
 from loopelastica.molecule._loops import closing_pairs, named_loop, pairs_of, stem_length
 from loopelastica.molecule.nucleotides import Nucleotides, enumerated, linked, read_structure
 from loopelastica.molecule.pairs import MIN_LOOP, canonical_pairs, dot_bracket
-from loopelastica.molecule.selection import Place, bracket_pairs, ends_of, named_pairs
+from loopelastica.molecule.selection import (
+    Place,
+    bracket_pairs,
+    brackets,
+    ends_of,
+    named_pairs,
+    places,
+)
 
 MAX_LOOP: Final = 30
 
@@ -167,10 +174,11 @@ def find_hairpins(
     ...     print(hairpin.name, hairpin.sequence, hairpin.closing_pair, hairpin.n_pairs)
     A6-9 CUUCGG ('A.C5', 'A.G10') 5
     """
-    structure = read_structure(structure)
     least = whole(1)("min_loop", min_loop)
     limits = least, whole(least)("max_loop", max_loop)
-    named, pairs = texts("loop", loop), texts("pair", pair)
+    named, pairs = places("loop", loop), places("pair", pair)
+    dot_bracket = optional(brackets)("dot_bracket", dot_bracket)
+    structure = read_structure(structure)
     try:
         return _hairpins(
             structure.nucleotides, structure.positions(0), limits, pairs, dot_bracket, named

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._checks import text as _text
+from loopelastica._checks import texts
 from loopelastica.errors import StructureError
-from loopelastica.molecule.nucleotides import Nucleotides
+from loopelastica.molecule.nucleotides import Nucleotides, enumerated
 from loopelastica.molecule.pairs import BRACKETS
 
 _PLACE = re.compile(
@@ -77,6 +78,14 @@ def two_places(argument: str, text: str) -> tuple[Place, Place]:
     return places[0], places[1]
 
 
+def places(argument: str, value: Any) -> tuple[str, ...]:
+    """One text or a sequence of them, each of two places; ValueError that names `argument` else."""
+    found = texts(argument, value)
+    for text in found:
+        two_places(argument, text)
+    return found
+
+
 def ends_of(nucleotides: Nucleotides, argument: str, text: str) -> tuple[Place, Place]:
     """Two places with their chains: the second one is in the chain of the first if none is given.
 
@@ -96,13 +105,19 @@ def ends_of(nucleotides: Nucleotides, argument: str, text: str) -> tuple[Place, 
     Raises
     ------
     ValueError
-        If `text` cannot be understood.
+        If `text` cannot be understood, or names chains as if they were bases.
     """
     first, last = two_places(argument, text)
-    named_chain = first.chain is None and first.name in nucleotides.chain.tolist()
+    chains = nucleotides.chain.tolist()
+    named_chain = first.chain is None and first.name in chains
     if named_chain and not rows_at(nucleotides, first):
         first = first._replace(chain=first.name, name="")
-    return first, last if last.chain is not None else last._replace(chain=first.chain)
+    if last.chain is None:
+        if last.name in chains and not rows_at(nucleotides, last._replace(chain=first.chain)):
+            written = f"{first}-{last.name}.{last.number}{last.icode}"
+            raise ValueError(f"`{argument}` is {text!r}; with chains it is written {written}")
+        last = last._replace(chain=first.chain)
+    return first, last
 
 
 def rows_at(nucleotides: Nucleotides, place: Place) -> list[int]:
@@ -153,8 +168,20 @@ def row_at(nucleotides: Nucleotides, place: Place, consequence: str) -> int:
         labels = " and ".join(nucleotides.label(row) for row in rows[:2])
         raise StructureError(f"{place} may be {labels}; {consequence}")
     if not rows:
-        raise StructureError(f"there is no nucleotide {place}; {consequence}")
+        raise StructureError(f"{_absence(nucleotides, place)}; {consequence}")
     return rows[0]
+
+
+def _absence(nucleotides: Nucleotides, place: Place) -> str:
+    """That nothing is at a place, and which chains there are where it names none of them."""
+    sentence = f"there is no nucleotide {place}"
+    chains = list(dict.fromkeys(nucleotides.chain.tolist()))
+    if place.chain is None or place.chain in chains:
+        return sentence
+    named = [chain for chain in chains if chain]
+    return (
+        f"{sentence}, {f'the chains are {enumerated(named)}' if named else 'no chain has a name'}"
+    )
 
 
 def named_pairs(nucleotides: Nucleotides, texts: Sequence[str]) -> list[tuple[int, int]]:
@@ -188,6 +215,13 @@ def named_pairs(nucleotides: Nucleotides, texts: Sequence[str]) -> list[tuple[in
     return pairs
 
 
+def brackets(argument: str, value: Any) -> str:
+    """Dot-bracket notation without what separates chains; ValueError that names `argument` else."""
+    text = _SEPARATORS.sub("", _text(argument, value))
+    _pairs_of(argument, text)
+    return text
+
+
 def bracket_pairs(nucleotides: Nucleotides, text: str) -> NDArray[np.int64]:
     """Pairs (m, 2), i < j, of a secondary structure in dot-bracket notation.
 
@@ -210,24 +244,32 @@ def bracket_pairs(nucleotides: Nucleotides, text: str) -> NDArray[np.int64]:
     StructureError
         If the length is not the number of nucleotides.
     """
-    text = _SEPARATORS.sub("", _text("dot_bracket", text))
+    text = brackets("dot_bracket", text)
+    if len(text) != len(nucleotides):
+        raise StructureError(
+            f"`dot_bracket` has {len(text)} characters for {len(nucleotides)} nucleotides; it needs"
+            " one for each, such as ((((....))))"
+        )
+    return np.array(_pairs_of("dot_bracket", text), dtype=np.int64).reshape(-1, 2)
+
+
+def _pairs_of(argument: str, text: str) -> list[tuple[int, int]]:
     opening = {a: k for k, (a, _) in enumerate(BRACKETS)}
     closing = {b: k for k, (_, b) in enumerate(BRACKETS)}
     open_rows: list[list[int]] = [[] for _ in BRACKETS]
     pairs = []
+    form = "it must be like ((((....))))"
     for row, character in enumerate(text):
         if character in opening:
             open_rows[opening[character]].append(row)
         elif character in closing:
             if not open_rows[closing[character]]:
-                raise ValueError(f"`dot_bracket`: {character!r} at place {row + 1} closes nothing")
+                raise ValueError(
+                    f"`{argument}`: {character!r} at place {row + 1} closes nothing; {form}"
+                )
             pairs.append((open_rows[closing[character]].pop(), row))
     unclosed = sorted(row for rows in open_rows for row in rows)
     if unclosed:
         row = unclosed[0]
-        raise ValueError(f"`dot_bracket`: {text[row]!r} at place {row + 1} is not closed")
-    if len(text) != len(nucleotides):
-        raise StructureError(
-            f"`dot_bracket` has {len(text)} characters for {len(nucleotides)} nucleotides"
-        )
-    return np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)
+        raise ValueError(f"`{argument}`: {text[row]!r} at place {row + 1} is not closed; {form}")
+    return sorted(pairs)

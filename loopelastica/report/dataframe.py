@@ -40,6 +40,8 @@ def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     ------
     MissingDependencyError
         If pandas is not installed.
+    ValueError
+        If `results` are neither folds nor an analysis.
 
     Examples
     --------
@@ -49,13 +51,20 @@ def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     >>> print(table.loc[0, "sequence"], round(table.loc[0, "rmsd_A"], 2))
     CUUCGG 2.12
     """
-    rows = _fold_rows(results) if isinstance(results, Iterable) else results.records()
+    if isinstance(results, Iterable):
+        rows = _fold_rows(results)
+    elif hasattr(results, "records"):
+        rows = results.records()
+    else:
+        raise ValueError(f"`results` is a {type(results).__name__}; it must be a list of folds")
     table: DataFrame = _pandas().DataFrame(list(rows))
     return table
 
 
 def _fold_rows(folds: Iterable[LoopFold]) -> Iterator[dict[str, Any]]:
     for fold in folds:
+        if not hasattr(fold, "candidates"):
+            raise ValueError(f"`results` holds a {type(fold).__name__}; it must be a list of folds")
         for candidate in fold.candidates:
             yield {**loop_row(fold), **candidate_row(candidate), "failure": None}
         if fold.failure is not None:

@@ -5,14 +5,14 @@ came from, is written last and, when the folder is written anew, removed first.
 """
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from loopelastica._files import NOTE, read_manifest, whole_folder, write_csv, write_json, write_text
-from loopelastica._names import safe_name, safe_stem
+from loopelastica._names import printable, safe_name, safe_stem
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.report.pdb import (
@@ -137,7 +137,7 @@ def write_fold(
             write_atoms(part, atoms)
         if plot:
             sticks = None if atoms is None else atoms.sticks(1)
-            plot_fold(fold, part / "plot.png", title=path.name, sticks=sticks)
+            plot_fold(fold, part / "plot.png", title=printable(path.name), sticks=sticks)
         content = ranking(source, fold, structure.remarks)
         built = None if atoms is None else {"contact": atoms.contact}
         content["written"] = {
@@ -186,3 +186,23 @@ def _write_traces(path: Path, fold: LoopFold, structure: Structure, letter: str)
         lines += point_records(fold, structure, candidate.trace, letter, candidate.rank, 1)
         lines.append("ENDMDL")
     write_text(path, "\n".join([*lines, *bond_records(1, len(fold.hairpin)), "END", ""]))
+
+
+def other_folds(out: Path, names: Collection[str]) -> list[str]:
+    """Folders of folded files in a folder of results, other than those named.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of results.
+    names : collection of str
+        Folders that are known.
+
+    Returns
+    -------
+    list of str
+        Their names in order; what is not the result of a file's fold is left out.
+    """
+    others = sorted(f.name for f in os.scandir(out) if f.is_dir() and f.name not in names)
+    manifests = ((name, read_manifest(out / name / MANIFEST)) for name in others)
+    return [name for name, manifest in manifests if "file" in manifest.get("input", ())]

@@ -160,7 +160,7 @@ def equilibria(
     tolerance : float
         Largest residual of an equilibrium that is listed.
     time_limit_s : float, optional
-        Seconds after which no further start is made; the list then says so by ``out_of_time``.
+        Seconds after which no further start is made, the first one being :func:`solve`; the list then says so by ``out_of_time``.
 
     Returns
     -------
@@ -204,10 +204,10 @@ def equilibria(
         ways = _ways(clamping, torsion_ratio, everything, guesses[used : used + count], tolerance)
         used += count
         for way in ways:
-            _merge(found, way())
-            starts += 1
             if deadline.passed:
                 break
+            _merge(found, way())
+            starts += 1
         chosen = [f for f in found if turns is None or f.rod.turns == turns]
         result = _result(chosen, energy_max, starts, deadline.passed)
         if deadline.passed or (number >= 2 and result.unseen < UNSEEN):

@@ -4,7 +4,8 @@ The index is the number of independent directions in which the energy falls whil
 clamped; zero is a local minimum. It is counted from conjugate points and from the inertia of a
 discretized Hessian (see ``second_variation``). Where they differ — multiple conjugate points, which
 sign changes miss in pairs, or a point on the verge — the discretization is refined until two meshes
-agree, and decides. For √F above `STIFF` only the inertia is used: det V has lost its digits there.
+agree, and decides; but of a mode so soft that the error of the mesh could turn its sign, as where
+both ends are nearly on one line, the conjugate points decide. For √F above `STIFF` only the inertia is used: det V has lost its digits there.
 
 A rod stretched straight has nowhere to go and is stable. Where both ends lie on one line the turn
 of the rod about it costs nothing; such a zero mode does not count.
@@ -60,8 +61,13 @@ def morse_index(rod: Equilibrium) -> int:
         return 0
     root = math.sqrt(float(np.linalg.norm(rod.loads[:3])))
     by_mesh = [_inertia(rod, root, _MESHES[0])]
-    if root <= STIFF and by_mesh[0] == conjugate_points(rod):
-        return by_mesh[0]
+    if root <= STIFF:
+        conjugate = conjugate_points(rod)
+        if conjugate == by_mesh[0]:
+            return conjugate
+        few, many = (_inertia(rod, root, _MESHES[0], s) for s in (_ZERO_MODE, -_ZERO_MODE))
+        if few <= conjugate <= many:
+            return conjugate
     for mesh in _MESHES[1:]:
         by_mesh.append(_inertia(rod, root, mesh))
         if by_mesh[-1] == by_mesh[-2]:
@@ -79,13 +85,14 @@ def conjugate_points(rod: Equilibrium) -> int:
     return int(sign_changes(loads, rod.torsion_ratio, rod.clamping.free_spin, s, poses))
 
 
-def _inertia(rod: Equilibrium, root: float, n: int) -> int:
+def _inertia(rod: Equilibrium, root: float, n: int, shift: float = 0.0) -> int:
     s = np.empty(n + 1)
     graded_nodes(min(root, 200.0), s)
     frames: Array = np.empty((n + 2, 4))
     frames[0] = (1.0, 0.0, 0.0, 0.0)
     frames[1:] = rod.poses(np.append(0.5 * (s[1:] + s[:-1]), 1.0))[:, 3:]
-    shift = _ZERO_MODE if rod.clamping.on_one_line else 0.0
+    if rod.clamping.on_one_line:
+        shift = _ZERO_MODE
     return int(
         inertia(
             rod.loads.copy(), rod.clamping.position.copy(), rod.torsion_ratio,

@@ -76,6 +76,24 @@ def test_limits_and_impossible_input_are_told(koc, fold):
         build_atoms(koc, short)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("positions", "x"), ("positions", [1.0, 2.0]), ("positions", [[1j, 0, 0]])),
+        *(("contact", "nonsense"), ("contact", 5), ("model", -1), ("model", "1"), ("tries", True)),
+        *(("max_steps", 0), ("max_seconds", float("nan")), ("max_candidates", 1.5)),
+    ],
+)
+def test_arguments_are_refused_by_name(koc, fold, name, value):
+    with pytest.raises(ValueError, match=f"`{name}`"):
+        le.build_atoms(koc, fold, **{name: value})
+
+
+def test_only_a_fold_gets_atoms(koc):
+    with pytest.raises(ValueError, match="`fold` is a str; it must be a LoopFold"):
+        le.build_atoms(koc, "fold")
+
+
 def test_a_stem_without_the_atoms_of_a_junction_is_refused(tmp_path):
     from loopelastica._files import data_path
 

@@ -129,7 +129,7 @@ def test_hidden_folders_of_a_user_are_left_alone(tmp_path, fold_all):
 def test_a_name_breaks_no_row_of_the_table(tmp_path, fold_all, name):
     (tmp_path / name).write_text(TEXT)
     fold_all(tmp_path / name)
-    with (tmp_path / "out" / "candidates.csv").open() as file:
+    with (tmp_path / "out" / "summary.csv").open() as file:
         (row,) = csv.DictReader(file)
     shown = {"=1+1.pdb": "'=1+1.pdb", "a\nb.pdb": "a\\nb.pdb", "\udcff.pdb": "\\udcff.pdb"}
     assert row["file"] == shown.get(name, name)

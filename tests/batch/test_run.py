@@ -2,6 +2,7 @@
 
 import csv
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -9,10 +10,13 @@ import time
 from pathlib import Path
 
 import pytest
+from scipy.spatial.transform import Rotation
+from typer.testing import CliRunner
 
 from loopelastica._files import data_path
 from loopelastica.batch.folds import FOLDS
-from loopelastica.batch.run import run, tasks_of
+from loopelastica.batch.run import distinct, run, tasks_of
+from loopelastica.cli.app import app
 from loopelastica.folding.options import FoldOptions
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -49,10 +53,10 @@ def results(out):
 
 
 def test_the_table_has_a_line_per_candidate_in_the_order_of_the_input(files, undisturbed):
-    with (undisturbed / "candidates.csv").open() as file:
+    with (undisturbed / "summary.csv").open() as file:
         table = list(csv.DictReader(file))
     names = [row["file"] for row in table if row["rank"] == "1"]
-    assert names == [f.name for f in files if f != files[3]]
+    assert names == [str(f) for f in files if f != files[3]]
     folders = {row["folder"] for row in table}
     assert folders == {*(f"copy{k}_A6-9" for k in (0, 1, 2, 4, 5)), "copy0_A6-9_2"}
     assert all((undisturbed / folder / "ranking.json").is_file() for folder in folders)
@@ -79,43 +83,177 @@ def test_other_options_are_other_work(files, undisturbed, tmp_path, monkeypatch)
     assert tasks[0].key != before
 
 
-@pytest.mark.slow
-def test_a_run_killed_three_times_gives_the_undisturbed_table(files, undisturbed, tmp_path, rng):
-    pytest.importorskip("distributed")
+def test_a_damaged_journal_costs_only_the_files_of_its_damaged_lines(files, undisturbed, tmp_path):
     out = tmp_path / "out"
+    run(FOLDS, tasks_of(files, OPTIONS, out), out)
+    before = results(out)
+    journal = out / ".summary.journal"
+    lines = journal.read_bytes().splitlines(keepends=True)
+    lines[0], lines[4] = b"damaged\n", lines[4].replace(b'"rows": [', b'"rows": [5, ')
+    journal.write_bytes(b"".join(lines))
+    again = run(FOLDS, tasks_of(files, OPTIONS, out), out)
+    assert (again.n_resumed, again.n_done) == (5, 7)
+    assert again.notes == (f"{journal}: 2 lines are damaged; what stood there is done again",)
+    assert results(out) == before
+
+
+def test_what_was_done_with_other_options_is_kept(files, tmp_path):
+    other = {**OPTIONS, "taper": 0.0}
+    resumed = [
+        run(FOLDS, tasks_of(files[:2], options, tmp_path), tmp_path).n_resumed
+        for options in (OPTIONS, other, OPTIONS, other)
+    ]
+    journal = (tmp_path / ".summary.journal").read_text()
+    assert resumed[:2] == [0, 0]
+    assert all(task.key in journal for task in tasks_of(files[:2], OPTIONS, tmp_path))
+    assert all(task.key in journal for task in tasks_of(files[:2], other, tmp_path))
+
+
+def test_each_file_counts_once_by_whatever_path_it_is_given(files, tmp_path, monkeypatch):
+    monkeypatch.chdir(files[0].parent)
+    link = tmp_path / "link.pdb"
+    link.symlink_to(files[1])
+    given = ["copy0.pdb", "./copy0.pdb", files[0], files[1], link, "copy0.pdb", "absent.pdb"]
+    found, notes = distinct([*given, "other/../absent.pdb"])
+    assert found == ["copy0.pdb", str(files[1]), "absent.pdb"]
+    assert notes == [
+        "./copy0.pdb is the same file as copy0.pdb; it counts once",
+        f"{files[0]} is the same file as copy0.pdb; it counts once",
+        f"{link} is the same file as {files[1]}; it counts once",
+        "copy0.pdb was given before; it counts once",
+        "other/../absent.pdb is the same file as absent.pdb; it counts once",
+    ]
+
+
+def table(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def cli(*arguments):
+    result = CliRunner().invoke(app, [str(a) for a in arguments])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result
+
+
+def test_the_tables_of_a_run_are_the_same_with_and_without_jobs(files, tmp_path, monkeypatch):
+    monkeypatch.chdir(files[0].parent)
+    given = ["./copy0.pdb", "copy3.pdb", "other/copy0.pdb", files[1], "absent.pdb", "copy0.pdb"]
+    for name, jobs in (("one", ()), ("many", ("--jobs", 1))):
+        result = cli("fold", *given, "--first-model", "--no-plot", "-o", tmp_path / name, *jobs)
+        assert result.exit_code == 1
+        assert "note: copy0.pdb is the same file as ./copy0.pdb; it counts once" in result.output
+    for name in ("summary.csv", "failures.csv"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "many" / name).read_bytes()
+    rows = table(tmp_path / "one" / "summary.csv")
+    folded = ["./copy0.pdb", "other/copy0.pdb", str(files[1])]
+    assert [row["file"] for row in rows if row["rank"] == "1"] == folded
+    assert [row["folder"] for row in rows if row["rank"] == "1"][1] == "copy0_A6-9_2"
+    failures = table(tmp_path / "one" / "failures.csv")
+    assert [f["file"] for f in failures] == ["copy3.pdb", "absent.pdb"]
+    assert failures[1]["failure"] == "absent.pdb: there is no such file"
+
+
+def test_a_fold_without_failures_writes_an_empty_table_of_them(files, tmp_path):
+    assert cli("fold", files[0], "--first-model", "--no-plot", "-o", tmp_path).exit_code == 0
+    assert (tmp_path / "failures.csv").read_text() == "file,failure\n"
+    assert {p.name for p in tmp_path.iterdir()} == {"copy0_A6-9", "summary.csv", "failures.csv"}
+
+
+@pytest.mark.parametrize("jobs", [(), ("--jobs", 1)])
+def test_results_of_inputs_that_are_gone_are_named_and_stay(files, tmp_path, jobs):
+    fast = ("--first-model", "--no-plot", "-o", tmp_path, *jobs)
+    assert "earlier" not in cli("fold", *files[:2], *fast).output
+    for k in range(25):  # of yet other runs
+        shutil.copytree(tmp_path / "copy0_A6-9", tmp_path / f"zz{k:02d}_A6-9")
+    # neither of which is the result of a fold of a file
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "built").mkdir()
+    (tmp_path / "built" / "ranking.json").write_text('{"input": {"sequence": "GGC(UUUU)GCC"}}')
+    result = cli("fold", files[1], files[2], *fast)
+    (note,) = (line for line in result.output.splitlines() if line.startswith("note: "))
+    assert "holds results of earlier runs that are not in summary.csv: copy0_A6-9, zz00" in note
+    assert "zz18_A6-9, 6 more" in note
+    assert "mine" not in note
+    assert "built" not in note
+    assert (tmp_path / "copy0_A6-9" / "ranking.json").is_file()
+
+
+def moved(text, rng, path):
+    """The atoms of a file in another place."""
+    rotation, shift = Rotation.random(rng=rng), rng.uniform(-20.0, 20.0, 3)
+    lines = []
+    for line in text.splitlines():
+        if line.startswith(("ATOM", "HETATM")):
+            place = rotation.apply([float(line[k : k + 8]) for k in (30, 38, 46)]) + shift
+            line = line[:30] + "".join(f"{x:8.3f}" for x in place) + line[54:]
+        lines.append(line)
+    path.write_text("\n".join(lines) + "\n")
+
+
+def children(pid):
+    """Processes that a process has started."""
+    found = subprocess.run(["pgrep", "-P", str(pid)], capture_output=True, text=True).stdout
+    return [int(line) for line in found.split()]
+
+
+@pytest.mark.slow
+def test_120_files_whose_processes_are_killed_give_the_undisturbed_tables(tmp_path, rng):
+    """Main process, single workers or all of them, with SIGKILL, at random moments."""
+    pytest.importorskip("distributed")
+    text = data_path("hairpins/2koc.pdb").read_text().split("ENDMDL")[0] + "ENDMDL\nEND"
+    files = [tmp_path / f"{k % 7}" / f"copy{k // 2}.pdb" for k in range(120)]
+    for file in files:
+        file.parent.mkdir(exist_ok=True)
+        moved(text, rng, file)
+    files[17].write_text("no structure\n")
+    files[93].write_bytes(b"")
+    calm, out = tmp_path / "calm", tmp_path / "out"
+    assert len(run(FOLDS, tasks_of(files, OPTIONS, calm), calm).failures) == 2
     command = [
-        *(sys.executable, "-m", "loopelastica.cli.app", "fold", *map(str, files), "-o", str(out)),
+        *(sys.executable, "-m", "loopelastica", "fold", *map(str, files), "-o", str(out)),
         *("--jobs", "2", "--first-model", "--no-plot"),
     ]
-    kills = 0
-    journal = out / ".candidates.journal"
-    for _ in range(3):
+    journal = out / ".summary.journal"
+    kills = {"main": 0, "worker": 0, "all": 0}
+    for attempt in range(40):
         process = subprocess.Popen(
             command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             start_new_session=True,
         )  # fmt: skip
-        before = journal.stat().st_size if journal.exists() else 0
+        done = journal.stat().st_size if journal.exists() else 0
+        whom = rng.choice(list(kills)) if attempt < 15 else "nobody"
         while process.poll() is None:
             time.sleep(0.02)
-            # at a random moment after at least one more file was done
-            if journal.exists() and journal.stat().st_size > before:
-                time.sleep(rng.uniform(0.0, 0.3))
+            if whom == "nobody" or not journal.exists() or journal.stat().st_size == done:
+                continue
+            time.sleep(rng.uniform(0.0, 0.4))  # at a random moment after one more file was done
+            if process.poll() is not None:
                 break
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGKILL)
-            kills += 1
+            kills[whom] += 1
+            if whom == "all":
+                os.killpg(process.pid, signal.SIGKILL)
+            elif whom == "main":
+                process.kill()
+            else:
+                os.kill(rng.choice(children(process.pid)), signal.SIGKILL)
+                whom, done = rng.choice(list(kills)), journal.stat().st_size
         process.wait()
-    assert kills
-    done = run(FOLDS, tasks_of(files, OPTIONS, out), out)
-    assert done.n_resumed
-    assert results(out) == results(undisturbed)
-    assert {p.name for p in out.iterdir() if p.is_dir() and not p.name.startswith(".")} == {
-        p.name for p in undisturbed.iterdir() if p.is_dir()
+        failures = out / "failures.csv"
+        if process.returncode == 1 and failures.read_text().count("\n") == 3:
+            break
+    print(f"{attempt + 1} runs, kills: {kills}")
+    assert sum(kills.values()) >= 3
+    for name in ("summary.csv", "failures.csv"):
+        assert (out / name).read_bytes() == (calm / name).read_bytes()
+    assert {p.name for p in out.iterdir() if p.is_dir()} == {
+        p.name for p in calm.iterdir() if p.is_dir()
     }
+    assert results(out) == results(calm)
 
 
 def test_the_table_is_there_as_parquet_too(undisturbed):
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
-    table = pandas.read_parquet(undisturbed / "candidates.parquet")
-    assert len(table) == len(pandas.read_csv(undisturbed / "candidates.csv"))
+    table = pandas.read_parquet(undisturbed / "summary.parquet")
+    assert len(table) == len(pandas.read_csv(undisturbed / "summary.csv"))

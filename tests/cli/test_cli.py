@@ -23,6 +23,15 @@ def run(*arguments):
     return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
+def table(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def folders(path):
+    return sorted(p.name for p in path.iterdir() if p.is_dir())
+
+
 @pytest.fixture(scope="module")
 def folded(tmp_path_factory):
     out = tmp_path_factory.mktemp("out")
@@ -38,7 +47,7 @@ def test_fold_writes_one_folder_per_hairpin(folded):
         *("ranking.csv", "ranking.json", "traces.pdb", "line.csv", "plot.png"),
         *("whole.pdb", "view.pml", "view.cxc"),
     }
-    assert [p.name for p in folder.parent.iterdir()] == ["2koc_A6-9"]
+    assert {p.name for p in folder.parent.iterdir()} == {"2koc_A6-9", "summary.csv", "failures.csv"}
     assert "CUUCGG" in result.output
 
 
@@ -138,7 +147,7 @@ def bad_files(folder):
     return [folder / name for name in [*contents, "folder.pdb", "absent.pdb"]]
 
 
-def test_every_bad_file_is_one_sentence_and_no_output(tmp_path):
+def test_every_bad_file_is_one_sentence_and_a_row(tmp_path):
     for path in bad_files(tmp_path):
         out = tmp_path / "out"
         result = run("fold", path, "-o", out)
@@ -148,7 +157,9 @@ def test_every_bad_file_is_one_sentence_and_no_output(tmp_path):
         assert len(sentences) == 1, (path, result.stderr)
         assert path.name in sentences[0]
         assert len(sentences[0]) > len(str(path)) + 10
-        assert not out.exists() or not list(out.iterdir()), path
+        assert {p.name for p in out.iterdir()} == {"summary.csv", "failures.csv"}, path
+        assert table(out / "failures.csv") == [{"file": str(path), "failure": sentences[0]}]
+        assert table(out / "summary.csv") == []
 
 
 def test_a_bad_file_in_a_batch_is_a_row_and_the_others_are_folded(tmp_path):
@@ -163,7 +174,7 @@ def test_a_bad_file_in_a_batch_is_a_row_and_the_others_are_folded(tmp_path):
     assert result.exit_code == 1
     assert "bad.pdb" in result.stderr
     # two inputs of one name
-    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["2koc_A6-9", "2koc_A6-9_2"]
+    assert folders(tmp_path / "out") == ["2koc_A6-9", "2koc_A6-9_2"]
 
 
 def test_hairpins_lists_the_loop_and_the_secondary_structure():
@@ -195,7 +206,7 @@ def test_hairpins_takes_pairs_brackets_and_loops_from_the_user():
     assert "UUCG " in run("hairpins", HAIRPIN, "--loop", "A.7-8").output
     result = run("hairpins", HAIRPIN, "--pair", "A.5")
     assert result.exit_code == 2
-    assert "`pair`" in result.stderr
+    assert "--pair is 'A.5'" in result.stderr
     result = run("hairpins", HAIRPIN, "--loop", "A.60-70")
     assert result.exit_code == 1
     assert result.stderr.count("\n") == 1
@@ -224,7 +235,9 @@ def test_an_irregular_stem_is_folded_on_request_only(hairpin_folder, tmp_path):
     result = run("fold", path, "-o", out, "--no-plot")
     assert result.exit_code == 1
     assert "1.56 Å" in result.stderr
-    assert not out.exists()
+    assert "(--irregular folds it)" in result.stderr
+    assert "--irregular" in table(out / "failures.csv")[0]["failure"]
+    assert folders(out) == []
     result = run("fold", path, "-o", out, "--no-plot", "--irregular")
     assert result.exit_code == 0
     assert "means little" in result.output
@@ -240,7 +253,7 @@ def test_a_loop_absent_from_the_file_is_folded_when_it_is_named(tmp_path):
     out = tmp_path / "out"
     result = run("fold", path, "-o", out, "--no-plot")
     assert result.exit_code == 1
-    assert "`loop` A.6-9 folds it" in result.output
+    assert "--loop A.6-9 folds it" in result.output
     result = run("fold", path, "-o", out, "--loop", "A.6-9")
     assert result.exit_code == 0, result.output
     folder = out / "absent_A6-9"
@@ -274,7 +287,7 @@ def test_solve_prints_equilibria_or_one_sentence():
 def test_an_option_out_of_range_is_refused(tmp_path):
     result = run("fold", HAIRPIN, "-o", tmp_path / "out", "--persistence-length", "-3")
     assert result.exit_code == 2
-    assert "`persistence_length_A` is -3.0" in result.stderr
+    assert "--persistence-length is -3.0" in result.stderr
     assert not (tmp_path / "out").exists()
 
 
@@ -285,8 +298,8 @@ def test_an_option_out_of_range_is_refused(tmp_path):
         (("--torsion-ratio", "0.7"), "--torsion-ratio needs --darboux"),
         (("--jobs", "2", "--atoms"), "--atoms goes without --jobs"),
         (("--jobs", "2", "--whole"), "--whole goes without --jobs"),
-        (("--pair", "A.5"), "`pair` is 'A.5'"),
-        (("--atoms", "--contact", "hoogsteen", "--first-model"), "`contact` is 'hoogsteen'"),
+        (("--pair", "A.5"), "--pair is 'A.5'"),
+        (("--atoms", "--contact", "hoogsteen", "--first-model"), "--contact is 'hoogsteen'"),
     ],
 )
 def test_an_option_without_what_it_needs_is_refused(tmp_path, arguments, sentence):

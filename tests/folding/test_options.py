@@ -102,3 +102,13 @@ def test_the_bounds_themselves_are_allowed():
     assert [FoldOptions(taper=taper).taper for taper in (0, 0.3)] == [0.0, 0.3]
     assert ScanOptions(tapers=[0.0, 0.3]).tapers == (0.0, 0.3)
     assert FoldOptions(max_candidates=1, stem_extend_5=0).max_candidates == 1
+
+
+@pytest.mark.parametrize("options", [FoldOptions, ScanOptions])
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("pair", "A.5"), ("loop", ["A.6-9", "nonsense"]), ("dot_bracket", "(("), ("dot_bracket", 5)],
+)
+def test_pairs_loops_and_brackets_are_understood_when_the_options_are_made(options, name, value):
+    with pytest.raises(ValueError, match=f"`{name}`"):
+        options(**{name: value})

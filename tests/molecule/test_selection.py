@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -198,3 +200,40 @@ def test_a_loop_that_lost_a_sugar_is_named(pdb, koc_lines):
     assert found == []
     assert "A.C5–A.G10: 1 of its 4 loop nucleotides" in found.remarks[0]
     assert len(read_structure(pdb(lines)).nucleotides) == 13
+
+
+def test_a_chain_that_is_not_there_is_answered_with_those_that_are(koc):
+    for named in ({"pair": "X.5-X.10"}, {"loop": "X.6-9"}):
+        with pytest.raises(StructureError, match=r"no nucleotide X\.5, the chains are A; "):
+            find_hairpins(koc, **named)
+
+
+@pytest.mark.parametrize(("text", "written"), [("A5-A10", "A.5-A.10"), ("A.5-A10", "A.5-A.10")])
+def test_chains_written_like_bases_are_told_the_form(koc, text, written):
+    with pytest.raises(ValueError, match=re.escape(f"with chains it is written {written}")):
+        find_hairpins(koc, pair=text)
+
+
+def test_the_name_of_a_hairpin_and_bases_as_they_are_printed_are_understood_still(koc):
+    for text in ("A6-9", "U6-G9", "A.U6-A.G9", "A.6-9"):
+        (loop,) = find_hairpins(koc, loop=text)
+        assert loop.name == "A6-9"
+
+
+@pytest.mark.parametrize(
+    "named",
+    [
+        *({"pair": "A.5"}, {"loop": ["A.6-9", "x"]}, {"dot_bracket": "(("}, {"dot_bracket": ")"}),
+        *({"pair": 5}, {"loop": None}, {"min_loop": 0}, {"max_loop": 2, "min_loop": 3}),
+    ],
+)
+def test_what_cannot_be_understood_is_refused_before_the_file_is_read(named):
+    with pytest.raises(ValueError, match=f"`{next(iter(named))}`"):
+        find_hairpins("absent.pdb", **named)
+
+
+def test_brackets_that_do_not_fit_are_told_the_form(koc):
+    with pytest.raises(ValueError, match=r"is not closed; it must be like \(\(\(\("):
+        find_hairpins(koc, dot_bracket="((((((....)))))")
+    with pytest.raises(StructureError, match="3 characters for 14 nucleotides; it needs one for"):
+        find_hairpins(koc, dot_bracket="...")

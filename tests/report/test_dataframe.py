@@ -48,3 +48,9 @@ def test_without_pandas_the_extra_is_named(folds, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(le.MissingDependencyError, match=r"loopelastica\[table\]"):
         le.to_dataframe(folds)
+
+
+@pytest.mark.parametrize("odd", ["folds", [1], None, 5])
+def test_what_are_no_folds_is_refused(odd):
+    with pytest.raises(ValueError, match=r"`results` (is|holds) a \w+; it must be a list of folds"):
+        le.to_dataframe(odd)

@@ -21,6 +21,22 @@ def test_loads_are_six_finite_numbers(loads):
         check_loads(loads)
 
 
+@pytest.mark.parametrize(
+    "odd",
+    [["x"] * 6, [1j] * 6, None, [True] * 6, np.ma.masked_array(np.ones(6), [True, *[False] * 5])],
+)
+def test_what_are_no_real_numbers_are_neither_loads_nor_arc_lengths(odd):
+    with pytest.raises(ValueError, match="`loads`"):
+        check_loads(odd)
+    with pytest.raises(ValueError, match="`n`"):
+        arc_lengths(odd)
+
+
+def test_truth_is_no_number_of_points():
+    with pytest.raises(ValueError, match="`n` is True"):
+        arc_lengths(True)
+
+
 def test_checked_loads_are_a_copy():
     given = np.arange(6.0)
     check_loads(given)[0] = 7.0

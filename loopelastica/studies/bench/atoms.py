@@ -11,6 +11,7 @@ from typing import Any
 from loopelastica._files import write_csv, write_json
 from loopelastica._names import printable
 from loopelastica.errors import LoopelasticaError
+from loopelastica.studies.sources import structure_files
 
 
 def run(folder: Path, out: Path, *, sample: int | None = None, progress: bool = False) -> str:
@@ -30,10 +31,15 @@ def run(folder: Path, out: Path, *, sample: int | None = None, progress: bool = 
     -------
     str
         The summary in words.
+
+    Raises
+    ------
+    ValueError
+        If `folder` holds no such file.
     """
     from tqdm import tqdm
 
-    files = sorted(p for p in folder.iterdir() if {".pdb", ".cif", ".ent"} & set(p.suffixes))
+    files = structure_files(folder)
     if sample is not None and sample < len(files):
         files = [files[round(k * (len(files) - 1) / max(sample - 1, 1))] for k in range(sample)]
     rows: list[dict[str, Any]] = []

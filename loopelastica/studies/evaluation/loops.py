@@ -62,10 +62,10 @@ def evaluate_file(task: Task) -> Record:
         folds = [fold_model(structure.nucleotides, hairpin, x, options) for x in models]
         first = folds[0]
         if first.failure is not None:
-            failures.append(f"{source.name}: {first.failure}")
+            failures.append(f"{source}: {first.failure}")
             continue
         if first.backbone_A is None:
-            failures.append(f"{source.name}: {hairpin.name}: a loop atom is missing; not compared")
+            failures.append(f"{source}: {hairpin.name}: a loop atom is missing; not compared")
             continue
         plain_fold = fold_model(structure.nucleotides, hairpin, models[0], plain)
         stem = fit_stem(structure.nucleotides, hairpin, models[0])
@@ -102,7 +102,7 @@ def _about(source: Path, fold: LoopFold, n_hairpins: int) -> dict[str, Any]:
     best = fold.candidates[0]
     small = "small files" if n_hairpins <= SMALL_FILE else "large files"
     return {
-        "file": source.name,
+        "file": str(source),
         "loop": hairpin.name,
         "set": "not evidence" if not evidence else "DNA" if kind == "DNA" else f"RNA, {small}",
         "kind": kind,

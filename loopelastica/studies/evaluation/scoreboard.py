@@ -1,6 +1,7 @@
 """From the rows of all loops to the scoreboard: CSV, markdown and pictures."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,10 +9,11 @@ import numpy as np
 
 from loopelastica._files import write_csv, write_text
 from loopelastica._names import printable
-from loopelastica.batch.run import Run, run, tasks_of
+from loopelastica.batch.run import Run, distinct, run, tasks_of
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.evaluation.loops import COLUMNS, EVALUATION
 from loopelastica.studies.evaluation.refit import interval, refitted_A
+from loopelastica.studies.sources import structure_files
 
 METHODS = {
     "rmsd_first_A": "rod, rule",
@@ -30,7 +32,6 @@ METHODS = {
     "mean_loop_A": "mean loop of other families",
 }
 RIVALS = tuple(name for name in METHODS if not name.startswith(("rmsd_", "models_", "refit_")))
-_SUFFIXES = (".pdb", ".ent", ".cif", ".mmcif")
 _COLUMNS = (*COLUMNS, "mean_loop_A", "refit_taper_A", "refit_all_A")
 
 
@@ -60,26 +61,26 @@ def evaluate(
     Returns
     -------
     Run
-        Records and failures.
+        Rows, failures and notes.
 
     Raises
     ------
     ValueError
-        If `folder` holds no such file.
+        If `folder` holds no such file, or `jobs` or `scheduler` cannot be understood.
     """
     from loopelastica.studies.evaluation.pictures import draw
 
-    sources = sorted(p for p in folder.glob("*") if _is_structure(p)) if folder.is_dir() else []
-    if not sources:
-        raise ValueError(f"`folder` {folder} holds no PDB or mmCIF file")
-    done = run(EVALUATION, tasks_of(sources, {}, out), out, jobs, scheduler, progress)
-    rows = [row for record in done.records for row in record["rows"]]
+    files, again = distinct(structure_files(folder))
+    # in the tables a file has its name in the folder
+    tasks = [replace(task, file=Path(task.file).name) for task in tasks_of(files, {}, out)]
+    done = run(EVALUATION, tasks, out, jobs, scheduler, progress)
+    rows = [dict(row) for row in done.rows]
     add_comparisons(rows)
     write_csv(out / "scoreboard.csv", ({c: row[c] for c in _COLUMNS} for row in rows), _COLUMNS)
     write_text(out / "scoreboard.md", scoreboard(rows, done.failures))
     if rows:
         draw(rows, out)
-    return done
+    return replace(done, notes=(*again, *done.notes))
 
 
 def add_comparisons(rows: list[dict[str, Any]]) -> None:
@@ -114,7 +115,9 @@ def groups(rows: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
     found["apart: with contacts or long"] = [r for r in apart if r["set"] != "not evidence"]
     for row in apart:
         if row["set"] == "not evidence":
-            found[f"apart: {row['file']} {row['loop']} (refined with elastic models)"] = [row]
+            found[
+                f"apart: {Path(row['file']).name} {row['loop']} (refined with elastic models)"
+            ] = [row]
     return {name: members for name, members in found.items() if members}
 
 
@@ -200,8 +203,3 @@ def _paired(rows: list[dict[str, Any]]) -> list[str]:
                     f" {METHODS[other]} | {mean:+.2f} ({least:+.2f} to {most:+.2f}) |"
                 )
     return lines
-
-
-def _is_structure(path: Path) -> bool:
-    suffixes = [s.lower() for s in path.suffixes if s.lower() not in (".gz", ".bz2")]
-    return path.is_file() and bool(suffixes) and suffixes[-1] in _SUFFIXES

@@ -22,8 +22,9 @@ def test_methods_and_states_are_numbers_with_words():
         "NONE", "SHOOTING", "BOUNDARY_LAYERS", "REFINED_LAYERS", "DISCRETE_ROD",
         "DISCRETE_ROD_LAYERS", "DISCRETE_ROD_SHOOTING", "CONTINUATION", "NEARBY", "GUESS",
         "STRAIGHT",
+        "NEARLY_STRAIGHT",
     ]  # fmt: skip
-    assert list(Method) == list(range(11))
+    assert list(Method) == list(range(12))
     assert list(Status) == list(range(8))
     labels = [method.label for method in Method]
     assert len(set(labels)) == len(labels)

@@ -1,40 +1,59 @@
-"""The commands of ``loopelastica bench``. Heavy modules are imported inside them."""
+"""``loopelastica bench``: the solvers and the atoms measured, a command for each study."""
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from loopelastica._names import printable
+from loopelastica.cli import options as o
+from loopelastica.cli.program import Command, tell
 
 bench = typer.Typer(help="Measure the solvers; write tables and pictures.", no_args_is_help=True)
 
 _RESULTS = Path("loopelastica-bench")
 _Out = Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")]
-_Seed = Annotated[int, typer.Option(help="Seed of the random rods and poses.")]
+_Seed = Annotated[int, typer.Option(help="Seed of the random rods and poses.", min=0)]
 
 
-def _say_where(out: Path) -> None:
-    typer.echo(printable(f"written to {out}"))
+def _alone_in(out: Path) -> AbstractContextManager[None]:
+    """Keep other runs out of the folder; it is made first, since a study takes minutes."""
+    from loopelastica.batch.lock import alone_in
+
+    return alone_in(out)
 
 
-@bench.command("paper")
+@bench.command("paper", cls=Command)
 def bench_paper(
     out: _Out = _RESULTS / "paper",
     full: Annotated[bool, typer.Option("--full", help="Every rod of the paper's sets.")] = False,
-    sample: Annotated[int, typer.Option(help="Rods per cell otherwise.", min=1)] = 400,
+    sample: Annotated[
+        int | None,
+        typer.Option(help="Rods per cell otherwise; default 400.", min=1, show_default=False),
+    ] = None,
     own_full: Annotated[
         bool, typer.Option("--own-full", help="Every rod for the package's own solver only.")
     ] = False,
 ) -> None:
     """Rerun the studies of Figs. 3, 4 and 5 of the 2018 paper: its printed method, and ours."""
+    o.refuse(
+        (full and sample is not None, "--sample goes without --full"),
+        (full and own_full, "--own-full goes without --full, which includes it"),
+    )
     from loopelastica.studies.bench.paper import run
 
-    run(out, full=full, sample=sample, progress=True, own_full=own_full)
-    _say_where(out)
+    with _alone_in(out):
+        run(
+            out,
+            full=full,
+            sample=400 if sample is None else sample,
+            progress=True,
+            own_full=own_full,
+        )
+    tell(f"written to {out}")
 
 
-@bench.command("atoms")
+@bench.command("atoms", cls=Command)
 def bench_atoms(
     folder: Annotated[Path, typer.Argument(help="Folder of structure files.", show_default=False)],
     out: _Out = _RESULTS / "atoms",
@@ -44,12 +63,17 @@ def bench_atoms(
 ) -> None:
     """Build the first candidate's atoms for every simple loop of a folder; judge the models."""
     from loopelastica.studies.bench.atoms import run
+    from loopelastica.studies.sources import structure_files
 
-    typer.echo(run(folder, out, sample=sample, progress=True))
-    _say_where(out)
+    with o.usage():
+        structure_files(folder)  # before a folder is made
+    with _alone_in(out):
+        for line in run(folder, out, sample=sample, progress=True).splitlines():
+            tell(line)
+    tell(f"written to {out}")
 
 
-@bench.command("stability")
+@bench.command("stability", cls=Command)
 def bench_stability(
     out: _Out = _RESULTS / "stability",
     full: Annotated[bool, typer.Option("--full", help="Large samples; some minutes.")] = False,
@@ -58,29 +82,26 @@ def bench_stability(
     """Solve stiff, extreme and degenerate clampings; judge each result independently."""
     from loopelastica.studies.bench.stability import run
 
-    run(out, full=full, seed=seed, progress=True)
-    _say_where(out)
+    with _alone_in(out):
+        run(out, full=full, seed=seed, progress=True)
+    tell(f"written to {out}")
 
 
-@bench.command("accuracy")
+@bench.command("accuracy", cls=Command)
 def bench_accuracy(
     out: _Out = _RESULTS / "accuracy",
     full: Annotated[bool, typer.Option("--full", help="Large samples, forty minutes.")] = False,
     seed: _Seed = 2026,
 ) -> None:
     """Compare error and run time with the paper's method and SciPy's, on the same targets."""
-    from loopelastica.errors import MissingDependencyError
     from loopelastica.studies.bench.accuracy import run
 
-    try:
+    with _alone_in(out):
         run(out, full=full, seed=seed, progress=True)
-    except MissingDependencyError as error:
-        typer.echo(printable(str(error)), err=True)
-        raise typer.Exit(1) from None
-    _say_where(out)
+    tell(f"written to {out}")
 
 
-@bench.command("scaling")
+@bench.command("scaling", cls=Command)
 def bench_scaling(
     out: _Out = _RESULTS / "scaling",
     full: Annotated[bool, typer.Option("--full", help="Up to a million rods.")] = False,
@@ -89,5 +110,6 @@ def bench_scaling(
     """Measure time and memory over the number of rods, threads, length and equilibria."""
     from loopelastica.studies.bench.scaling import run
 
-    run(out, full=full, seed=seed, progress=True)
-    _say_where(out)
+    with _alone_in(out):
+        run(out, full=full, seed=seed, progress=True)
+    tell(f"written to {out}")

@@ -1,4 +1,4 @@
-"""``loopelastica evaluate`` and ``bench``: how good the program is, on real loops and on rods."""
+"""``loopelastica evaluate``: how good the program is, on real loops."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,9 +6,7 @@ from typing import Annotated
 import typer
 
 from loopelastica.cli import options as o
-from loopelastica.studies.bench.commands import bench
-
-__all__ = ["bench", "evaluate"]
+from loopelastica.cli.program import tell
 
 
 def evaluate(
@@ -25,7 +23,9 @@ def evaluate(
     """
     from loopelastica.studies.evaluation.scoreboard import evaluate as evaluate_folder
 
+    o.refuse(o.either(jobs, scheduler))
     with o.usage():
         done = evaluate_folder(folder, out, jobs or 1, scheduler, progress=True)
-    o.say(f"{done.n_files} files, {done.n_rows} loops: {out / 'scoreboard.md'}")
+    tell(f"{done.n_files} files, {done.n_rows} loops: {out / 'scoreboard.md'}")
+    o.note(done.notes)
     o.fail_of_many(done.failures, out)

@@ -1,0 +1,144 @@
+"""What becomes of errors, interrupts and odd terminals: a sentence and an exit status, for all.
+
+| status | meaning |
+|---|---|
+| 0 | done |
+| 1 | some input cannot be used, or something failed |
+| 2 | an argument or an option is wrong |
+| 130 | interrupted by Ctrl-C |
+"""
+
+import codecs
+import errno
+import io
+import os
+import re
+import sys
+from contextvars import ContextVar
+from typing import Any, TextIO
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from loopelastica._names import printable
+
+EPILOG = (
+    "Exit status: 0 done; 1 some input cannot be used or something failed; 2 an argument or an"
+    " option is wrong; 130 interrupted."
+)
+
+# options whose names differ from those of the Python arguments; the others are like theirs
+_OPTIONS = {
+    "extend_3_max": "--extend-3",
+    "extend_5_max": "--extend-5",
+    "free_spin": "--free-spin",
+    "length_per_nucleotide_A": "--length-per-nucleotide",
+    "max_candidates": "--candidates",
+    "persistence_length_A": "--persistence-length",
+    "tapers": "--taper",
+}
+# what stands for the signs of our tables and sentences where a terminal lacks them
+_SIGNS = {
+    **{"Å": "A", "·": "*", "′": "'", "–": "-", "−": "-", "…": "...", "±": "+-", "×": "x"},
+    **{"°": "deg", "≥": ">=", "≤": "<=", "→": "->", "√": "sqrt", "η": "eta", "ψ": "psi"},
+    **{"θ": "theta", "φ": "phi", "χ": "chi", "Ω": "Omega", "κ": "kappa", "τ": "tau"},
+}
+_LEGIBLE = "loopelastica.legible"
+# of the command that runs
+_CONTEXT: ContextVar[typer.Context | None] = ContextVar("context", default=None)
+
+
+class Command(TyperCommand):
+    """A command whose errors are one sentence each."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run it; end the program with a status where it cannot be done."""
+        from loopelastica.errors import LoopelasticaError
+
+        _CONTEXT.set(ctx)
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as error:
+            said = f": {error}" if str(error) else "; no file is left half-written"
+            say(f"interrupted{said}")
+            raise typer.Exit(130) from None
+        except LoopelasticaError as error:
+            say(str(error))
+        except OSError as error:
+            if error.errno == errno.EPIPE:
+                raise  # whoever reads has seen enough
+            _say_refused(error)
+        raise typer.Exit(1)
+
+
+class Program(TyperGroup):
+    """All commands, on a terminal of any encoding."""
+
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Run a command line."""
+        codecs.register_error(_LEGIBLE, _legible)
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors=_LEGIBLE)
+        try:
+            return super().main(*args, **kwargs)
+        except OSError as error:
+            # of printing a help text; those of a command end there
+            _say_refused(error)
+            sys.exit(1)
+
+
+def say(sentence: str) -> None:
+    """Print a sentence on the standard error, with options as they are called here."""
+    tell(in_options(sentence), sys.stderr)
+
+
+def tell(line: str, file: TextIO | None = None) -> None:
+    """Print a line, whatever the names in it are made of; by default on the standard output."""
+    # not by echo, which takes it upon itself to send UTF-8 to a terminal of ASCII
+    print(printable(line), file=file)
+
+
+def in_options(sentence: str) -> str:
+    """A sentence about `arguments` as one about the --options of the command that runs.
+
+    >>> in_options("`max_candidates` is 0; see `solve`")
+    '--candidates is 0; see `solve`'
+    """
+    return re.sub(r"`(\w+)`", lambda found: _names().get(found[1], found[0]), sentence)
+
+
+def _names() -> dict[str, str]:
+    """Options by the names of their Python arguments."""
+    context = _CONTEXT.get()
+    if context is None:
+        return _OPTIONS
+    # what another command says of an option of `fold` is meant for those who go on to that
+    commands = getattr(context.find_root().command, "commands", {})
+    parameters = [*commands["fold"].params, *context.command.params]
+    return {p.name: _shown(p) for p in parameters} | _OPTIONS
+
+
+def _shown(parameter: Any) -> str:
+    """Its longest name: --out rather than -o, FOLDER for an argument."""
+    if parameter.param_type_name == "argument":
+        return str(parameter.name).upper()
+    return str(max(parameter.opts, key=len))
+
+
+def _legible(error: UnicodeError) -> tuple[str, int]:
+    """What stands for signs that a terminal lacks, or that are none, as in odd file names."""
+    assert isinstance(error, UnicodeEncodeError)
+    signs = error.object[error.start : error.end]
+    return "".join(_SIGNS.get(sign) or ascii(sign)[1:-1] for sign in signs), error.end
+
+
+def _say_refused(error: OSError) -> None:
+    """Say what the system has refused, and of which file."""
+    from loopelastica._files import OutputError
+
+    if error.filename is None and sys.stdout is sys.__stdout__ and sys.stdout is not None:
+        # what is left for it goes to nowhere, else Python fails at its end again
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sentence = f"{error.filename or 'standard output'}: {error.strerror or error}"
+    say(str(error) if isinstance(error, OutputError) else sentence)

@@ -1,0 +1,74 @@
+"""Arguments of wrong types are refused in one line that names them."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from loopelastica._checks import (
+    between,
+    flag,
+    numbers,
+    optional,
+    positive,
+    reals,
+    text,
+    texts,
+    whole,
+)
+
+ODD = [
+    None, "1", b"1", [1], (), {}, object, True, np.True_, math.nan, math.inf, -math.inf, 1j,
+    10**400, -(10**400), np.array(1.0), np.arange(100.0), np.array([1j]), np.ma.masked,
+    np.ma.masked_array([1.0], [True]), np.datetime64("2020"), np.float64("nan"),
+]  # fmt: skip
+CHECKS = [positive, between(0.0, 0.3), whole(0), whole(-1000), numbers(0.0, 0.3)]
+
+
+@pytest.mark.parametrize("check", CHECKS)
+@pytest.mark.parametrize("value", ODD, ids=lambda v: repr(v)[:20])
+def test_what_is_no_number_in_range_is_refused_in_one_line(check, value):
+    with pytest.raises(ValueError, match="`argument`") as caught:
+        check("argument", value)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 200
+
+
+@pytest.mark.parametrize("check", [text, texts, flag])
+@pytest.mark.parametrize("value", [None, 1.5, np.arange(100.0), 10**400], ids=str)
+def test_other_kinds_are_refused_in_one_line_too(check, value):
+    with pytest.raises(ValueError, match="`argument`") as caught:
+        check("argument", value)
+    assert "\n" not in str(caught.value)
+
+
+def test_numbers_of_any_library_are_taken():
+    for value in (2, 2.0, np.int64(2), np.float32(2), Fraction(2)):
+        assert whole(1)("n", value) == positive("x", value) == 2
+        assert type(whole(1)("n", value)) is int
+    assert optional(whole(1))("n", None) is None
+    assert numbers(0.0, 1.0)("x", np.array([0.0, 0.5])) == (0.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        *(None, "x", b"1", object, {}, [True], [[1.0], [1.0, 2.0]], [1j], [10**400], ["1"]),
+        *(np.array([1.0 + 0j]), np.ma.masked_array([1.0, 2.0], [False, True]), np.ma.masked),
+        np.array(["2020"], dtype="datetime64[Y]"),
+    ],
+    ids=lambda v: repr(v)[:20],
+)
+def test_what_is_no_array_of_real_numbers_is_refused(value):
+    with pytest.raises(ValueError, match="`argument`") as caught:
+        reals("argument", value)
+    assert "\n" not in str(caught.value)
+
+
+def test_arrays_come_as_copies():
+    given = np.arange(3)
+    taken = reals("x", given)
+    taken[0] = 7.0
+    assert (given[0], taken.dtype) == (0, np.float64)
+    assert reals("x", np.ma.masked_array([1.0], [False])).tolist() == [1.0]
