@@ -1,6 +1,7 @@
 """Checks of arguments: each gives the value back in its own type or a ValueError that names it."""
 
 import math
+import reprlib
 from collections.abc import Callable
 from numbers import Real
 from typing import Any
@@ -9,18 +10,36 @@ import numpy as np
 
 Check = Callable[[str, Any], Any]
 
+_SHOWN = 60
+_repr = reprlib.Repr()
+_repr.maxstring = _repr.maxother = _repr.maxlong = _SHOWN
+
+
+def shown(value: Any) -> str:
+    """What a value looks like, in one short line.
+
+    >>> shown(0.5), shown([1, 2]), len(shown("x" * 1000))
+    ('0.5', '[1, 2]', 60)
+    """
+    try:
+        text = " ".join(_repr.repr(value).split())
+    # of anything at all, by a method of its own
+    except Exception:
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 2]}…{text[-1]}"
+
 
 def flag(name: str, value: Any) -> bool:
     """True or False, of Python or NumPy; no number, no text."""
     if not isinstance(value, bool | np.bool_):
-        raise ValueError(f"`{name}` is {value!r}; it must be True or False")
+        raise ValueError(f"`{name}` is {shown(value)}; it must be True or False")
     return bool(value)
 
 
 def positive(name: str, value: Any) -> float:
     """A positive, finite number."""
-    if not (_is_real(value) and math.isfinite(value) and value > 0):
-        raise ValueError(f"`{name}` is {value!r}; it must be a positive, finite number")
+    if not (_is_finite(value) and value > 0):
+        raise ValueError(f"`{name}` is {shown(value)}; it must be a positive, finite number")
     return float(value)
 
 
@@ -28,8 +47,10 @@ def between(low: float, high: float) -> Check:
     """A number from `low` to `high`."""
 
     def check(name: str, value: Any) -> float:
-        if not (_is_real(value) and low <= value <= high):
-            raise ValueError(f"`{name}` is {value!r}; it must be a number from {low:g} to {high:g}")
+        if not (_is_finite(value) and low <= value <= high):
+            raise ValueError(
+                f"`{name}` is {shown(value)}; it must be a number from {low:g} to {high:g}"
+            )
         return float(value)
 
     return check
@@ -39,9 +60,10 @@ def whole(least: int) -> Check:
     """A whole number, `least` or more."""
 
     def check(name: str, value: Any) -> int:
-        number = _is_real(value) and math.isfinite(value) and value == int(value)
-        if not (number and value >= least):
-            raise ValueError(f"`{name}` is {value!r}; it must be a whole number, {least} or more")
+        if not (_is_finite(value) and value == int(value) and value >= least):
+            raise ValueError(
+                f"`{name}` is {shown(value)}; it must be a whole number, {least} or more"
+            )
         return int(value)
 
     return check
@@ -55,7 +77,7 @@ def optional(check: Check) -> Check:
 def text(name: str, value: Any) -> str:
     """A text."""
     if not isinstance(value, str):
-        raise ValueError(f"`{name}` is {value!r}; it must be a text")
+        raise ValueError(f"`{name}` is {shown(value)}; it must be a text")
     return value
 
 
@@ -63,7 +85,7 @@ def texts(name: str, value: Any) -> tuple[str, ...]:
     """One text or a sequence of them, as a tuple."""
     found = (value,) if isinstance(value, str) else value
     if not (isinstance(found, list | tuple) and all(isinstance(one, str) for one in found)):
-        raise ValueError(f"`{name}` is {value!r}; it must be a text or a list of texts")
+        raise ValueError(f"`{name}` is {shown(value)}; it must be a text or a list of texts")
     return tuple(found)
 
 
@@ -76,11 +98,14 @@ def numbers(low: float, high: float) -> Check:
         except TypeError:
             found = ()
         if not found:
-            raise ValueError(f"`{name}` is {value!r}; it must be one or more numbers")
+            raise ValueError(f"`{name}` is {shown(value)}; it must be one or more numbers")
         return tuple(between(low, high)(name, one) for one in found)
 
     return check
 
 
-def _is_real(value: Any) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool)
+def _is_finite(value: Any) -> bool:
+    try:
+        return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:  # a whole number beyond the floating-point ones
+        return False

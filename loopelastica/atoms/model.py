@@ -143,7 +143,7 @@ def build_atoms(
     max_seconds = positive("max_seconds", max_seconds)
     if fold.ends is None or not fold.candidates:
         raise StructureError(fold.failure or "the loop was not folded; it gets no atoms")
-    structure = read_structure(structure)
+    structure = read_structure(structure, fold.options.limits)
     if positions is None:
         positions = structure.positions(model)
     site = site_of(structure, fold, np.asarray(positions, dtype=np.float64))

@@ -43,6 +43,9 @@ class Task:
         """Digest of the file's content and of all that determines the result."""
         digest = hashlib.sha256()
         try:
+            # a pipe would block
+            if not Path(self.source).is_file():
+                raise OSError
             with Path(self.source).open("rb") as file:
                 digest.update(hashlib.file_digest(file, "sha256").digest())
         except OSError:

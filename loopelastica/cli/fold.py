@@ -31,6 +31,8 @@ def fold(
     pair: o.Pairs = None,
     dot_bracket: o.Brackets = None,
     loop: o.Loops = None,
+    max_size: o.MaxSize = None,
+    max_atoms: o.MaxAtoms = None,
     plot: o.Plot = True,
     whole: o.Whole = None,
     jobs: o.Jobs = None,
@@ -72,6 +74,7 @@ def fold(
             pair=pair or (),
             dot_bracket=dot_bracket,
             loop=loop or (),
+            **o.limits(max_size, max_atoms),
         )
     if many:
         _fold_many(files, out, options, plot, jobs or 1, scheduler)
@@ -178,7 +181,7 @@ def _fold_file(
     from loopelastica.report.listing import remarks
     from loopelastica.report.pdb import WHOLE_ATOMS, WholeStructure, renamed
 
-    structure = read_structure(file)
+    structure = read_structure(file, options.limits)
     found = find_hairpins(structure, **options.selection)
     sentences = remarks(structure, found)
     loops = fold_hairpins(structure, found, options)

@@ -13,6 +13,8 @@ def hairpins(
     pair: o.Pairs = None,
     dot_bracket: o.Brackets = None,
     loop: o.Loops = None,
+    max_size: o.MaxSize = None,
+    max_atoms: o.MaxAtoms = None,
     json_file: Annotated[
         Path | None, typer.Option("-o", "--json", help="Write it all to this file as JSON.")
     ] = None,
@@ -20,12 +22,12 @@ def hairpins(
     """List the hairpin loops of a file, and its secondary structure in dot-bracket notation."""
     from loopelastica._files import write_json
     from loopelastica.molecule.hairpins import find_hairpins
-    from loopelastica.molecule.nucleotides import read_structure
+    from loopelastica.molecule.nucleotides import Limits, read_structure
     from loopelastica.report.listing import listing, remarks
     from loopelastica.report.tables import console, hairpins_table
 
     with o.refusals(json_file or file):
-        structure = read_structure(file)
+        structure = read_structure(file, Limits(**o.limits(max_size, max_atoms)))
         found = find_hairpins(structure, pair=pair or (), dot_bracket=dot_bracket, loop=loop or ())
         content = listing(structure, found)
         if json_file is not None:
@@ -54,6 +56,8 @@ def scan(
     pair: o.Pairs = None,
     dot_bracket: o.Brackets = None,
     loop: o.Loops = None,
+    max_size: o.MaxSize = None,
+    max_atoms: o.MaxAtoms = None,
     shown: Annotated[int, typer.Option(help="Shapes shown per loop.", min=1)] = 20,
 ) -> None:
     """Solve every clamp that the stem allows; rank all shapes by deformation energy."""
@@ -70,6 +74,7 @@ def scan(
             pair=pair or (),
             dot_bracket=dot_bracket,
             loop=loop or (),
+            **o.limits(max_size, max_atoms),
         )
     for scanned in scans:
         if not scanned.failure:

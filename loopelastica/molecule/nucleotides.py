@@ -22,7 +22,10 @@ from loopelastica.errors import StructureError
 from loopelastica.molecule._recognition import recognize
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
 from loopelastica.molecule.reading import (
+    MAX_ATOMS,
+    MAX_SIZE_MB,
     Frames,
+    Limits,
     TableFrames,
     first_line,
     is_pdb,
@@ -34,7 +37,10 @@ from loopelastica.molecule.reading import (
 __all__ = [
     "ATOM_NAMES",
     "BACKBONE",
+    "MAX_ATOMS",
+    "MAX_SIZE_MB",
     "RING",
+    "Limits",
     "Nucleotides",
     "Structure",
     "atom_positions",
@@ -50,6 +56,9 @@ __all__ = [
 
 LINK_MAX_A = 2.5
 """Longest O3'–P distance of two joined nucleotides; the bond has 1.6 Å, models of repute 2.0."""
+
+FARTHEST_A = 1e6
+"""Largest coordinate of a nucleotide: there single precision resolves 0.06 Å."""
 
 STEP_MAX_A = 9.0
 """Longest C4'–C4' distance of two joined nucleotides where O3' or P is missing."""
@@ -96,7 +105,8 @@ class Structure:
         ValueError
             If `model` is not in 0 … n_models − 1.
         StructureError
-            If the model cannot be read, or a nucleotide lies at the origin or has no numbers.
+            If the model cannot be read, or a nucleotide lies at the origin, too far away, or has no
+            numbers.
         """
         if not 0 <= model < self.n_models:
             raise ValueError(f"`model` is {model}, but {self.name} has {self.n_models} model(s)")
@@ -118,7 +128,7 @@ class Structure:
             yield self.positions(model)
 
 
-def read_structure(source: Any) -> Structure:
+def read_structure(source: Any, limits: Limits | None = None) -> Structure:
     """Read a file, or take a Universe or an AtomGroup in its current frame.
 
     Parameters
@@ -127,6 +137,8 @@ def read_structure(source: Any) -> Structure:
         PDB or mmCIF (also gzipped), or whatever MDAnalysis reads, with all its models; a Universe,
         or a group of its atoms, in the frame its trajectory is at, which is the only model; a
         Structure is returned as it is.
+    limits : Limits, optional
+        How large a file may be; default ``Limits()``.
 
     Returns
     -------
@@ -146,13 +158,13 @@ def read_structure(source: Any) -> Structure:
     frames: Frames
     if isinstance(source, str | os.PathLike):
         path = Path(source)
-        universe, frames = open_file(path)
+        universe, frames = open_file(path, limits or Limits())
         atoms, name, where = universe.atoms, path.name, str(path)
     elif hasattr(source, "universe") and hasattr(source, "atoms"):
         universe, atoms, name, where = source.universe, source.atoms.unique, "universe", None
         if not hasattr(universe, "trajectory"):
             raise StructureError("universe: it has no coordinates")
-        frames = TableFrames((np.array(universe.atoms.positions, dtype=np.float64),), True)
+        frames = TableFrames(np.array([universe.atoms.positions], dtype=np.float64), True)
     else:
         raise ValueError(
             f"`source` is neither a path nor a Universe nor an AtomGroup but"
@@ -210,10 +222,17 @@ def enumerated(names: Sequence[str], most: int = 8) -> str:
 def _check_positions(
     name: str, model: int, nucleotides: Nucleotides, positions: Array, frames: Frames
 ) -> None:
-    """Refuse coordinates that are no numbers, or placeholders at the origin."""
+    """Refuse coordinates that are no numbers, too large, or placeholders at the origin."""
     where = f"{name}, model {model + 1}" if frames.n_models > 1 else name
     present = nucleotides.atom_index >= 0
     values = positions[nucleotides.atom_index]
+    far = present & (np.abs(values) > FARTHEST_A).any(axis=2)
+    if far.any():
+        row = int(np.argmax(far.any(axis=1)))
+        raise StructureError(
+            f"{where}: the coordinates of {nucleotides.label(row)} are beyond {FARTHEST_A:,.0f} Å,"
+            " where single precision ends"
+        )
     finite = np.isfinite(values).all(axis=2)
     if not (finite & present).any() or (frames.complete and (present & ~finite).any()):
         row = int(np.argmax((present & ~finite).any(axis=1)))

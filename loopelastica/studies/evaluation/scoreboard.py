@@ -1,5 +1,6 @@
 """From the rows of all loops to the scoreboard: CSV, markdown and pictures."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from loopelastica._files import write_csv, write_text
 from loopelastica.batch.run import Run, run, tasks_of
+from loopelastica.molecule.nucleotides import Limits
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.evaluation.loops import COLUMNS, EVALUATION
 from loopelastica.studies.evaluation.refit import interval, refitted_A
@@ -38,6 +40,7 @@ def evaluate(
     jobs: int = 1,
     scheduler: str | None = None,
     progress: bool = False,
+    limits: Limits | None = None,
 ) -> Run:
     """Measure every loop of every structure of a folder; write the scoreboard.
 
@@ -54,6 +57,8 @@ def evaluate(
         As for :func:`loopelastica.batch.workers.outcomes`.
     progress : bool
         Show a bar.
+    limits : Limits, optional
+        How large a file may be.
 
     Returns
     -------
@@ -70,7 +75,14 @@ def evaluate(
     sources = sorted(p for p in folder.glob("*") if _is_structure(p)) if folder.is_dir() else []
     if not sources:
         raise ValueError(f"`folder` {folder} holds no PDB or mmCIF file")
-    done = run(EVALUATION, tasks_of(sources, {}, out), out, jobs, scheduler, progress)
+    done = run(
+        EVALUATION,
+        tasks_of(sources, asdict(limits or Limits()), out),
+        out,
+        jobs,
+        scheduler,
+        progress,
+    )
     rows = [row for record in done.records for row in record["rows"]]
     add_comparisons(rows)
     write_csv(out / "scoreboard.csv", ({c: row[c] for c in _COLUMNS} for row in rows), _COLUMNS)
