@@ -7,6 +7,7 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 Check = Callable[[str, Any], Any]
 
@@ -102,6 +103,22 @@ def numbers(low: float, high: float) -> Check:
         return tuple(between(low, high)(name, one) for one in found)
 
     return check
+
+
+def array(name: str, value: Any) -> NDArray[np.float64]:
+    """Real numbers of any shape, finite or not, as a new array of float64.
+
+    No entry is masked, none complex: NumPy would drop what it cannot convert.
+
+    >>> array("position", [0, 0, 1])
+    array([0., 0., 1.])
+    """
+    try:
+        if np.ma.is_masked(value) or np.iscomplexobj(value):
+            raise TypeError
+        return np.array(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"`{name}` is {shown(value)}; it must be an array of numbers") from None
 
 
 def _is_finite(value: Any) -> bool:

@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import optional, positive, whole
+from loopelastica._checks import array, optional, positive, shown, text, whole
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.checks import Checks, check
 from loopelastica.atoms.chemistry import LoopMolecule
@@ -141,12 +141,22 @@ def build_atoms(
     tries, max_steps = whole(1)("tries", tries), whole(1)("max_steps", max_steps)
     max_candidates = optional(whole(1))("max_candidates", max_candidates)
     max_seconds = positive("max_seconds", max_seconds)
+    contact = optional(text)("contact", contact)
+    if not isinstance(fold, LoopFold):
+        raise ValueError(f"`fold` is {shown(fold)}; it must be one of the loops that were folded")
     if fold.ends is None or not fold.candidates:
         raise StructureError(fold.failure or "the loop was not folded; it gets no atoms")
     structure = read_structure(structure, fold.options.limits)
     if positions is None:
         positions = structure.positions(model)
-    site = site_of(structure, fold, np.asarray(positions, dtype=np.float64))
+    else:
+        positions = array("positions", positions)
+        if positions.shape != (len(structure.universe.atoms), 3):
+            raise ValueError(
+                f"`positions` has shape {positions.shape}; it must be"
+                f" ({len(structure.universe.atoms)}, 3)"
+            )
+    site = site_of(structure, fold, positions)
     chosen = fold.candidates[:max_candidates]
     models = []
     for done, candidate in enumerate(chosen, start=1):

@@ -12,7 +12,7 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
-from loopelastica.molecule._source import first_line
+from loopelastica.molecule._source import first_line, name_of
 
 
 class Frames(Protocol):
@@ -99,7 +99,7 @@ def universe_of(path: Path, *sources: Any, **kwargs: Any) -> Any:
         # MDAnalysis and its readers raise whatever a damaged file provokes.
         except Exception as error:
             raise StructureError(
-                f"{path}: MDAnalysis cannot read it ({first_line(error)})"
+                f"{name_of(path)}: MDAnalysis cannot read it ({first_line(error)})"
             ) from error
     return universe
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from loopelastica.errors import MissingDependencyError, StructureError
 from loopelastica.molecule._frames import Frames, TableFrames, TrajectoryFrames, universe_with
 from loopelastica.molecule._matching import matched
-from loopelastica.molecule._source import Limits, first_line, pieces
+from loopelastica.molecule._source import Limits, first_line, name_of, pieces
 
 _NEEDED = (
     *("id", "type_symbol", "label_alt_id", "label_asym_id", "auth_seq_id"),
@@ -48,7 +48,8 @@ def open_mmcif(path: Path, limits: Limits) -> tuple[Any, Frames]:
         gemmi = importlib.import_module("gemmi")
     except ImportError:
         raise MissingDependencyError(
-            f"{path}: reading mmCIF needs gemmi; install it with `pip install loopelastica[mmcif]`"
+            f"{name_of(path)}: reading mmCIF needs gemmi; install it with"
+            " `pip install loopelastica[mmcif]`"
         ) from None
     flat, topology = _read(path, limits, gemmi)
     begins = np.flatnonzero(np.diff(flat.model_num, prepend=flat.model_num[0] - 1))
@@ -66,14 +67,16 @@ def _read(path: Path, limits: Limits, gemmi: Any) -> tuple[Any, bytes]:
     """All atoms of all models as arrays, and the first model as mmCIF of its own."""
     text = _text(path, limits)
     if not text.strip():
-        raise StructureError(f"{path}: the file is empty")
+        raise StructureError(f"{name_of(path)}: the file is empty")
     block = None
     try:
         block = gemmi.cif.read_string(text).sole_block()
         del text
         structure = gemmi.make_structure_from_block(block)
         if len(structure) == 0 or structure[0].count_atom_sites() == 0:
-            raise StructureError(f"{path}: {_absent(block)}, so this is not an mmCIF structure")
+            raise StructureError(
+                f"{name_of(path)}: {_absent(block)}, so this is not an mmCIF structure"
+            )
         limits.check_atoms(path, max(model.count_atom_sites() for model in structure))
         flat = gemmi.FlatStructure(structure)
     except StructureError:
@@ -81,11 +84,11 @@ def _read(path: Path, limits: Limits, gemmi: Any) -> tuple[Any, bytes]:
     # gemmi raises ValueError, RuntimeError or IndexError by the place of the fault.
     except Exception as error:
         cause = _fault(block) or _PLACE.sub(r"line \1", first_line(error))
-        raise StructureError(f"{path}: gemmi cannot read it ({cause})") from error
+        raise StructureError(f"{name_of(path)}: gemmi cannot read it ({cause})") from error
     if not np.isfinite(flat.pos).all() or (flat.resnums == _NO_NUMBER).any():
         fault = _fault(block)
         if fault is not None:
-            raise StructureError(f"{path}: {fault}")
+            raise StructureError(f"{name_of(path)}: {fault}")
     del block
     return flat, _first_model(structure, gemmi)
 

@@ -23,7 +23,7 @@ from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.molecule._frames import Frames, TableFrames, TrajectoryFrames, universe_with
 from loopelastica.molecule._matching import matched
-from loopelastica.molecule._source import Limits, pieces
+from loopelastica.molecule._source import Limits, name_of, pieces
 
 _COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))  # PDB format 3.3, columns 31-54
 _NAMES = slice(12, 20)  # atom name, altloc, residue name: copies of a chain have these in common
@@ -92,7 +92,7 @@ def _records(path: Path, limits: Limits, wanted: re.Pattern[str]) -> Iterator[tu
         yield from _wanted(whole, number, wanted)
         number += whole.count("\n")
     if blank:
-        raise StructureError(f"{path}: the file is empty")
+        raise StructureError(f"{name_of(path)}: the file is empty")
     yield from _wanted(rest + lines.decode(b"", final=True), number, wanted)
 
 
@@ -120,7 +120,7 @@ class _Scan:
     """What the records of a file come to."""
 
     def __init__(self, path: Path, limits: Limits) -> None:
-        self._path, self._limits = path, limits
+        self._path, self._limits, self._name = path, limits, name_of(path)
         self._models = [_Model()]
         self._identities: dict[str, int] = {}
         self._unnumbered: dict[str, tuple[int, str]] = {}
@@ -143,13 +143,13 @@ class _Scan:
     def _take_atom(self, number: int, line: str) -> None:
         if len(line) < _COORDINATES[-1].stop:
             raise StructureError(
-                f"{self._path}: line {number} is cut short before its coordinates end"
+                f"{self._name}: line {number} is cut short before its coordinates end"
             )
         try:
             position = [float(line[part]) for part in _COORDINATES]
         except ValueError:
             raise StructureError(
-                f"{self._path}: line {number} has no readable coordinates ({line[30:54].strip()!r})"
+                f"{self._name}: line {number} has no readable coordinates ({line[30:54].strip()!r})"
             ) from None
         model = self._models[-1]
         if model.closed and len(model):
@@ -190,25 +190,29 @@ class _Scan:
 
         Otherwise they are in the order of the first model, NaN where one lacks an atom.
         """
-        models, path = self._models, self._path
+        models = self._models
         first, last = models[0], models[-1]
         if not len(first):
             raise StructureError(
-                f"{path}: no ATOM or HETATM record, so this is not a PDB structure"
+                f"{self._name}: no ATOM or HETATM record, so this is not a PDB structure"
             )
         if not len(last):
-            raise StructureError(f"{path}: the file is cut short, model {len(models)} has no atoms")
+            raise StructureError(
+                f"{self._name}: the file is cut short, model {len(models)} has no atoms"
+            )
         faults = [fault for name, fault in self._unnumbered.items() if name in self._sugars]
         if faults:
             number, text = min(faults)
-            raise StructureError(f"{path}: line {number} has no readable residue number ({text!r})")
+            raise StructureError(
+                f"{self._name}: line {number} has no readable residue number ({text!r})"
+            )
         tables = [np.frombuffer(m.positions, dtype=np.float64).reshape(-1, 3) for m in models]
         codes = [np.frombuffer(m.identities, dtype=np.intc) for m in models]
         if all(len(m) == len(first) for m in models) and self._in_one_order(codes):
             return np.stack(tables), True
         if not last.closed:
             raise StructureError(
-                f"{path}: the file is cut short, model {len(models)} has {len(last)} of"
+                f"{self._name}: the file is cut short, model {len(models)} has {len(last)} of"
                 f" {len(first)} atoms"
             )
         return matched(codes, tables), False

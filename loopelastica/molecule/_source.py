@@ -22,6 +22,7 @@ MAX_ATOMS: Final = 1_000_000
 """Most atoms of a model; the largest ribosomes have 250,000."""
 
 _OPENERS: dict[str, Any] = {".gz": gzip.open, ".bz2": bz2.open}
+_LONGEST = 300
 _PIECE = 1 << 20
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
@@ -55,8 +56,8 @@ class Limits:
         """Refuse a model of so many atoms if they are too many."""
         if n_atoms > self.max_atoms:
             raise StructureError(
-                f"{path}: a model has more than {self.max_atoms:,} atoms, which is the limit;"
-                " `max_atoms` (--max-atoms) raises it"
+                f"{name_of(path)}: a model has more than {self.max_atoms:,} atoms, which is the"
+                " limit; `max_atoms` (--max-atoms) raises it"
             )
 
 
@@ -66,6 +67,16 @@ def kind_of(path: Path) -> str:
     if suffixes and suffixes[-1] in _OPENERS:
         suffixes.pop()
     return suffixes[-1] if suffixes else ""
+
+
+def name_of(path: Path) -> str:
+    r"""A path as sentences show it: in one line, and not endless.
+
+    >>> print(name_of(Path("some.pdb")), name_of(Path("two\nlines.pdb")))
+    some.pdb two\nlines.pdb
+    """
+    text = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(path))
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST // 2]}…{text[-_LONGEST // 2 :]}"
 
 
 def first_line(error: BaseException) -> str:
@@ -99,20 +110,20 @@ def pieces(path: Path, limits: Limits) -> Iterator[bytes]:
                 left -= len(piece)
                 if left < 0:
                     raise StructureError(
-                        f"{path}: the content has more than {limits.max_size_MB:,g} MB, which is"
-                        " the limit; `max_size_MB` (--max-size) raises it"
+                        f"{name_of(path)}: the content has more than {limits.max_size_MB:,g} MB,"
+                        " which is the limit; `max_size_MB` (--max-size) raises it"
                     )
                 yield piece
     except EOFError:
-        raise StructureError(f"{path}: the compressed file is cut short") from None
+        raise StructureError(f"{name_of(path)}: the compressed file is cut short") from None
     except FileNotFoundError:
-        raise StructureError(f"{path}: there is no such file") from None
+        raise StructureError(f"{name_of(path)}: there is no such file") from None
     except PermissionError:
-        raise StructureError(f"{path}: no permission to read the file") from None
+        raise StructureError(f"{name_of(path)}: no permission to read the file") from None
     # ValueError: a null character in the name
     except (OSError, ValueError, zlib.error, lzma.LZMAError) as error:
         cause = getattr(error, "strerror", None) or first_line(error)
-        raise StructureError(f"{path}: the file cannot be read ({cause})") from None
+        raise StructureError(f"{name_of(path)}: the file cannot be read ({cause})") from None
 
 
 def _check_regular(path: Path) -> None:
@@ -120,4 +131,4 @@ def _check_regular(path: Path) -> None:
     if stat.S_ISREG(mode):
         return
     what = next((name for is_so, name in _KINDS if is_so(mode)), "something else")
-    raise StructureError(f"{path}: this is {what}, not a structure file")
+    raise StructureError(f"{name_of(path)}: this is {what}, not a structure file")

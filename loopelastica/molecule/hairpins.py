@@ -188,7 +188,7 @@ def find_hairpins(
             structure.nucleotides, structure.positions(0), limits, pairs, dot_bracket, named
         )
     except StructureError as error:
-        where = structure.source or structure.name
+        where = structure.where
         sentence = str(error)
         raise StructureError(
             sentence if sentence.startswith(where) else f"{where}: {sentence}"

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
+from loopelastica._checks import whole
 from loopelastica.errors import StructureError
 from loopelastica.molecule._recognition import recognize
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
@@ -29,6 +30,7 @@ from loopelastica.molecule.reading import (
     TableFrames,
     first_line,
     is_pdb,
+    name_of,
     open_file,
     pdb_records,
     quiet,
@@ -94,6 +96,11 @@ class Structure:
         """Number of models of a file; 1 for the current frame of a Universe."""
         return self._frames.n_models
 
+    @property
+    def where(self) -> str:
+        """What sentences call it: the path as given, or "universe"."""
+        return self.name if self.source is None else name_of(Path(self.source))
+
     def positions(self, model: int = 0) -> Array:
         """Positions (n_atoms, 3) of all atoms of one model, Å, read-only.
 
@@ -108,17 +115,16 @@ class Structure:
             If the model cannot be read, or a nucleotide lies at the origin, too far away, or has no
             numbers.
         """
-        if not 0 <= model < self.n_models:
+        if whole(0)("model", model) >= self.n_models:
             raise ValueError(f"`model` is {model}, but {self.name} has {self.n_models} model(s)")
         try:
             positions = self._frames.model(model)
         # Readers of MDAnalysis raise whatever a damaged frame provokes.
         except Exception as error:
             raise StructureError(
-                f"{self.source or self.name}: model {model + 1} cannot be read "
-                f"({first_line(error)})"
+                f"{self.where}: model {model + 1} cannot be read ({first_line(error)})"
             ) from error
-        _check_positions(self.source or self.name, model, self.nucleotides, positions, self._frames)
+        _check_positions(self.where, model, self.nucleotides, positions, self._frames)
         positions.setflags(write=False)
         return positions
 
@@ -159,9 +165,11 @@ def read_structure(source: Any, limits: Limits | None = None) -> Structure:
     if isinstance(source, str | os.PathLike):
         path = Path(source)
         universe, frames = open_file(path, limits or Limits())
-        atoms, name, where = universe.atoms, path.name, str(path)
+        atoms, name, where = universe.atoms, path.name, name_of(path)
+        given: str | None = str(path)
     elif hasattr(source, "universe") and hasattr(source, "atoms"):
-        universe, atoms, name, where = source.universe, source.atoms.unique, "universe", None
+        universe, atoms, name, where = source.universe, source.atoms.unique, "universe", "universe"
+        given = None
         if not hasattr(universe, "trajectory"):
             raise StructureError("universe: it has no coordinates")
         frames = TableFrames(np.array([universe.atoms.positions], dtype=np.float64), True)
@@ -172,13 +180,13 @@ def read_structure(source: Any, limits: Limits | None = None) -> Structure:
         )
     with quiet():
         if not hasattr(universe.atoms, "names"):
-            raise StructureError(f"{where or name}: the atoms have no names")
+            raise StructureError(f"{where}: the atoms have no names")
         nucleotides = recognize(atoms)
     if len(nucleotides) == 0:
         n_residues = len(atoms.residues)
-        raise StructureError(f"{where or name}: no nucleotide found among {n_residues} residues")
+        raise StructureError(f"{where}: no nucleotide found among {n_residues} residues")
     remarks = tuple(_remarks(nucleotides, frames))
-    structure = Structure(name, where, nucleotides, universe, remarks, frames)
+    structure = Structure(name, given, nucleotides, universe, remarks, frames)
     structure.positions(0)
     return structure
 

@@ -27,6 +27,7 @@ from loopelastica.molecule._source import (
     Limits,
     first_line,
     kind_of,
+    name_of,
     pieces,
 )
 
@@ -38,6 +39,7 @@ __all__ = [
     "TableFrames",
     "first_line",
     "is_pdb",
+    "name_of",
     "open_file",
     "pdb_records",
     "quiet",
@@ -78,11 +80,11 @@ def open_file(path: Path, limits: Limits) -> tuple[Any, Frames]:
     if kind in _MMCIF:
         return open_mmcif(path, limits)
     if not sum(len(piece) for piece in pieces(path, limits)):
-        raise StructureError(f"{path}: the file is empty")
+        raise StructureError(f"{name_of(path)}: the file is empty")
     if kind not in _OTHERS:
         raise StructureError(
-            f"{path}: MDAnalysis cannot read it (it finds no atoms and coordinates in files"
-            f" named *{kind}; PDB and mmCIF are what is read best)"
+            f"{name_of(path)}: MDAnalysis cannot read it (it finds no atoms and coordinates in"
+            f" files named *{kind}; PDB and mmCIF are what is read best)"
         )
     universe = universe_of(path, str(path))
     limits.check_atoms(path, len(universe.atoms))

@@ -64,8 +64,21 @@ def test_a_link_to_a_file_is_read(tmp_path):
 
 
 def test_names_that_no_file_can_have():
-    assert "cannot be read" in fault_of(Path("a\0b.pdb"))
-    assert "cannot be read" in fault_of(Path("a" * 5000 + ".pdb"))
+    for name, shown in (("a\0b.pdb", r"a\x00b.pdb"), ("a" * 5000 + ".pdb", "a" * 100)):
+        with pytest.raises(StructureError, match="cannot be read") as caught:
+            read_structure(name)
+        assert str(caught.value).startswith(shown)
+        assert len(str(caught.value)) < 400
+
+
+def test_a_name_of_two_lines_is_shown_in_one(tmp_path):
+    path = tmp_path / "two\nlines\udc80.pdb"
+    path.write_bytes(b"no structure")
+    for call in (le.fold, le.find_hairpins):
+        with pytest.raises(StructureError) as caught:
+            call(path)
+        assert r"two\nlines\udc80.pdb: no ATOM" in str(caught.value)
+        assert str(caught.value).isprintable()
 
 
 @pytest.mark.parametrize("compress", [gzip.compress, bz2.compress, bytes])
