@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import io
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -23,6 +24,7 @@ _NEEDED = (
 _UNUSED = ("label_entity_id", "label_seq_id", "B_iso_or_equiv", "pdbx_formal_charge")
 _NO_NUMBER = -(2**31)  # what gemmi gives for a residue number that is absent
 _NAME_MAX = 8
+_VALUE = re.compile(rb"'.*?'(?=\s|$)|\".*?\"(?=\s|$)|\S+")
 # "data:114:0(1806): Wrong number of values", "data:114 in data_2koc: duplicate tag"
 _PLACE = re.compile(r"^(?:data|string):(\d+)(?::\d+)?(?:\(\d+\))?(?=:| in )")
 
@@ -71,7 +73,6 @@ def _read(path: Path, limits: Limits, gemmi: Any) -> tuple[Any, bytes]:
     block = None
     try:
         block = gemmi.cif.read_string(text).sole_block()
-        del text
         structure = gemmi.make_structure_from_block(block)
         if len(structure) == 0 or structure[0].count_atom_sites() == 0:
             raise StructureError(
@@ -83,7 +84,7 @@ def _read(path: Path, limits: Limits, gemmi: Any) -> tuple[Any, bytes]:
         raise
     # gemmi raises ValueError, RuntimeError or IndexError by the place of the fault.
     except Exception as error:
-        cause = _fault(block) or _PLACE.sub(r"line \1", first_line(error))
+        cause = _fault(block) or _odd_row(text, error) or _PLACE.sub(r"line \1", first_line(error))
         raise StructureError(f"{name_of(path)}: gemmi cannot read it ({cause})") from error
     if not np.isfinite(flat.pos).all() or (flat.resnums == _NO_NUMBER).any():
         fault = _fault(block)
@@ -132,6 +133,25 @@ def _absent(block: Any) -> str:
     return f"no column _atom_site.{lacking[0]}" if lacking else "no atoms"
 
 
+def _odd_row(text: bytes, error: Exception) -> str | None:
+    """The first line of a loop that has not a value for each of its columns."""
+    place = _PLACE.match(str(error))
+    if place is None or "Wrong number of values" not in str(error):
+        return None
+    begin, tags = int(place[1]), 0
+    for number, line in enumerate(io.BytesIO(text), start=1):
+        word = line.lstrip()[:1]
+        if number <= begin and not (number == begin and word == b"_"):
+            continue
+        if word == b"_" and not line.split()[1:]:
+            tags += 1
+            continue
+        n = len(_VALUE.findall(line))
+        if n != tags:
+            return f"line {number} has {n} values in place of {tags}"
+    return None
+
+
 def _integer(text: str) -> bool:
     return re.fullmatch(r"[+-]?\d+", text) is not None
 
@@ -151,6 +171,7 @@ def _open(test: Callable[[str], bool]) -> Callable[[str], bool]:
 _COLUMNS: tuple[tuple[str, str, Callable[[str], bool]], ...] = (
     *((f"Cartn_{axis}", "coordinates", _number) for axis in "xyz"),
     ("auth_seq_id", "residue number", _integer),
+    ("label_seq_id", "residue number", _open(_integer)),
     ("pdbx_PDB_model_num", "model number", _integer),
     ("label_alt_id", "alternative location", lambda text: len(text) == 1),
     ("pdbx_PDB_ins_code", "insertion code", lambda text: len(text) == 1),

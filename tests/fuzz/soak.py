@@ -24,13 +24,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import soak_calls as calls
 
 import loopelastica as le
-
-try:
-    from tests.fuzz import soak_calls as calls
-except ImportError:  # run as a script
-    import soak_calls as calls  # type: ignore[no-redef]
 
 LONGEST_S = 120
 """No call takes longer; the longest ones are given a time limit of their own."""

@@ -1,13 +1,15 @@
-"""Short soaks: calls that are drawn by number, so that each run makes the same ones."""
+"""Short soaks: calls by number, so that each run makes the same ones."""
 
+import numpy as np
+import pytest
 import soak
 import soak_calls
 
+MOLECULE = frozenset({"find_hairpins", "fold", "scan", "trajectory", "build_atoms"})
 
-def undocumented(seed: int, numbers: range, names: set[str]) -> list[str]:
+
+def undocumented(seed: int, numbers: range, names: frozenset[str]) -> list[str]:
     """What went wrong in those calls that have one of the names."""
-    import numpy as np
-
     faults = []
     for number in numbers:
         name = soak_calls.chosen(np.random.default_rng([seed, number]))[0]
@@ -20,4 +22,10 @@ def undocumented(seed: int, numbers: range, names: set[str]) -> list[str]:
     return faults
 
 
-MOLECULE = {"find_hairpins", "fold", "scan", "trajectory"}
+def test_calls_on_molecules_end_as_documented():
+    assert undocumented(1, range(400), MOLECULE) == []
+
+
+@pytest.mark.slow
+def test_many_calls_on_molecules_end_as_documented():
+    assert undocumented(2, range(4000), MOLECULE) == []

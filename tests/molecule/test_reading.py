@@ -306,6 +306,7 @@ def mmcif(tmp_path):
         ("auth_seq_id", "****", "residue number"),
         ("auth_seq_id", "?", "residue number"),
         ("auth_seq_id", "1.5", "residue number"),
+        ("label_seq_id", "xx", "residue number"),
         ("pdbx_PDB_model_num", "x", "model number"),
         ("label_alt_id", "AB", "alternative location"),
         ("pdbx_PDB_ins_code", "AB", "insertion code"),
@@ -333,7 +334,9 @@ def test_the_line_of_an_error_in_mmcif(tmp_path):
     pytest.importorskip("gemmi")
     path = tmp_path / "some.cif"
     path.write_text("data_x\nloop_\n_a.b\n_a.c\n1 2\n3\n")
-    assert "line 2: Wrong number of values" in fault_of(path)
+    assert "line 6 has 1 values in place of 2" in fault_of(path)
+    path.write_text("data_x\n_a.b 1\n_a.b 2\n")
+    assert "line 3 in data_x" in fault_of(path)
 
 
 def test_mmcif_without_gemmi_names_the_extra(tmp_path, monkeypatch):
