@@ -156,6 +156,7 @@ def build_atoms(
                 f"`positions` has shape {positions.shape}; it must be"
                 f" ({len(structure.universe.atoms)}, 3)"
             )
+        structure.check(positions, model)
     site = site_of(structure, fold, positions)
     chosen = fold.candidates[:max_candidates]
     models = []

@@ -124,9 +124,19 @@ class Structure:
             raise StructureError(
                 f"{self.where}: model {model + 1} cannot be read ({first_line(error)})"
             ) from error
-        _check_positions(self.where, model, self.nucleotides, positions, self._frames)
+        self.check(positions, model)
         positions.setflags(write=False)
         return positions
+
+    def check(self, positions: Array, model: int = 0) -> None:
+        """Refuse positions (n_atoms, 3) that are none of its nucleotides.
+
+        Raises
+        ------
+        StructureError
+            If a nucleotide lies at the origin, too far away, or has no numbers.
+        """
+        _check_positions(self.where, model, self.nucleotides, positions, self._frames)
 
     def models(self) -> Iterator[Array]:
         """Positions of each model in turn; one model is in memory at a time."""

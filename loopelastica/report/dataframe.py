@@ -6,6 +6,7 @@ import importlib
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, Protocol
 
+from loopelastica._checks import shown
 from loopelastica.errors import MissingDependencyError
 from loopelastica.folding.result import LoopFold
 from loopelastica.report.records import candidate_row, loop_row
@@ -40,6 +41,8 @@ def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     ------
     MissingDependencyError
         If pandas is not installed.
+    ValueError
+        If `results` is neither.
 
     Examples
     --------
@@ -49,13 +52,22 @@ def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     >>> print(table.loc[0, "sequence"], round(table.loc[0, "rmsd_A"], 2))
     CUUCGG 2.12
     """
-    rows = _fold_rows(results) if isinstance(results, Iterable) else results.records()
+    if isinstance(results, Iterable):
+        rows = _fold_rows(results)
+    elif callable(getattr(results, "records", None)):
+        rows = results.records()
+    else:
+        raise ValueError(
+            f"`results` is {shown(results)}; it must be what fold gives, or an analysis"
+        )
     table: DataFrame = _pandas().DataFrame(list(rows))
     return table
 
 
 def _fold_rows(folds: Iterable[LoopFold]) -> Iterator[dict[str, Any]]:
     for fold in folds:
+        if not isinstance(fold, LoopFold):
+            raise ValueError(f"`results` holds {shown(fold)}; it must hold what fold gives")
         for candidate in fold.candidates:
             yield {**loop_row(fold), **candidate_row(candidate), "failure": None}
         if fold.failure is not None:

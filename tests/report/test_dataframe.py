@@ -48,3 +48,9 @@ def test_without_pandas_the_extra_is_named(folds, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(le.MissingDependencyError, match=r"loopelastica\[table\]"):
         le.to_dataframe(folds)
+
+
+@pytest.mark.parametrize("results", [1.0, None, "abc", [1], object()])
+def test_what_is_no_result_is_refused(results):
+    with pytest.raises(ValueError, match="`results`"):
+        le.to_dataframe(results)
