@@ -8,6 +8,7 @@ The text of PDB and mmCIF files is looked through before, by :mod:`loopelastica.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any, Final
 
@@ -53,6 +54,17 @@ _OTHERS: Final = (
     *(".arc", ".config", ".crd", ".data", ".dms", ".gms", ".gro", ".gsd", ".in", ".lammpsdump"),
     *(".mmtf", ".mol2", ".pdbqt", ".pqr", ".tpr", ".txyz", ".xpdb", ".xyz"),
 )
+# How many atoms the head of a file states: MDAnalysis makes room for them before it reads on.
+_STATED: Final = {
+    ".gro": rb"\A[^\n]*\n\s*(\d+)",
+    ".xyz": rb"\A\s*(\d+)",
+    ".txyz": rb"\A\s*(\d+)",
+    ".arc": rb"\A\s*(\d+)",
+    ".crd": rb"\A(?:\*[^\n]*\n)*\s*(\d+)",
+    ".mol2": rb"@<TRIPOS>MOLECULE[^\n]*\n[^\n]*\n\s*(\d+)",
+    ".data": rb"(?m)^\s*(\d+)\s+atoms",
+    ".lammpsdump": rb"NUMBER OF ATOMS\s*\n\s*(\d+)",
+}
 
 
 def open_file(path: Path, limits: Limits) -> tuple[Any, Frames]:
@@ -79,13 +91,18 @@ def open_file(path: Path, limits: Limits) -> tuple[Any, Frames]:
         return open_pdb(path, limits)
     if kind in _MMCIF:
         return open_mmcif(path, limits)
-    if not sum(len(piece) for piece in pieces(path, limits)):
+    head, blank = b"", True
+    for piece in pieces(path, limits):
+        head, blank = head or piece, blank and piece.isspace()
+    if blank:
         raise StructureError(f"{name_of(path)}: the file is empty")
     if kind not in _OTHERS:
         raise StructureError(
             f"{name_of(path)}: MDAnalysis cannot read it (it finds no atoms and coordinates in"
             f" files named *{kind}; PDB and mmCIF are what is read best)"
         )
+    stated = re.search(_STATED[kind], head) if kind in _STATED else None
+    limits.check_atoms(path, int(stated[1][:20]) if stated else 0)
     universe = universe_of(path, str(path))
     limits.check_atoms(path, len(universe.atoms))
     return universe, TrajectoryFrames(universe)

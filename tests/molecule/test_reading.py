@@ -283,13 +283,13 @@ def mmcif(tmp_path):
     """Write 2KOC as mmCIF with one value of the fifth atom changed, or a column left out."""
     gemmi = pytest.importorskip("gemmi")
 
-    def write(column: str, value: str | None) -> Path:
+    def write(column: str, value: str | None, row: int = 4) -> Path:
         block = gemmi.read_pdb(str(KOC)).make_mmcif_block()
         loop = block.find_loop("_atom_site.id").get_loop()
         if value is None:
             loop.remove_column(f"_atom_site.{column}")
         else:
-            block.find_loop(f"_atom_site.{column}")[4] = value
+            block.find_loop(f"_atom_site.{column}")[row] = value
         path = tmp_path / "some.cif"
         path.write_text(block.as_string())
         return path
@@ -306,7 +306,6 @@ def mmcif(tmp_path):
         ("auth_seq_id", "****", "residue number"),
         ("auth_seq_id", "?", "residue number"),
         ("auth_seq_id", "1.5", "residue number"),
-        ("label_seq_id", "xx", "residue number"),
         ("pdbx_PDB_model_num", "x", "model number"),
         ("label_alt_id", "AB", "alternative location"),
         ("pdbx_PDB_ins_code", "AB", "insertion code"),
@@ -317,6 +316,11 @@ def mmcif(tmp_path):
 def test_a_value_of_an_mmcif_file_that_cannot_be_read(mmcif, column, value, what):
     sentence = fault_of(mmcif(column, value))
     assert f"row 5 of _atom_site has no readable {what} ({value!r})" in sentence
+
+
+def test_the_second_residue_number_of_an_mmcif_file(mmcif):
+    sentence = fault_of(mmcif("label_seq_id", "****", row=0))
+    assert "row 1 of _atom_site has no readable residue number ('****')" in sentence
 
 
 @pytest.mark.parametrize("column", ["Cartn_x", "label_atom_id", "label_comp_id", "label_asym_id"])

@@ -190,3 +190,21 @@ def test_bases_in_one_place_are_refused_before_they_are_paired(tmp_path, koc_lin
     with pytest.raises(StructureError, match=r"same\.pdb.*pairs of bases") as caught:
         le.find_hairpins(path)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "text"),
+    [
+        (".gro", "x\n 999999999\n    1G      P    1   0.000   0.000   0.000\n"),
+        (".xyz", "999999999\nx\nP 0 0 0\n"),
+        (".txyz", "999999999 x\n1 P 0 0 0 1\n"),
+        (".crd", "* x\n*\n 999999999 EXT\n"),
+        (".mol2", "@<TRIPOS>MOLECULE\nx\n999999999 0\nSMALL\nNO_CHARGES\n@<TRIPOS>ATOM\n"),
+        (".data", "x\n\n999999999 atoms\n\nAtoms\n\n1 1 1 0 0 0\n"),
+        (".lammpsdump", "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n999999999\n"),
+    ],
+)
+def test_no_room_is_made_for_atoms_that_a_head_invents(tmp_path, suffix, text):
+    path = tmp_path / f"head{suffix}"
+    path.write_text(text)
+    assert "1,000,000 atoms" in fault_of(path)
