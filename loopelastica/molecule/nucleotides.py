@@ -124,19 +124,29 @@ class Structure:
             raise StructureError(
                 f"{self.where}: model {model + 1} cannot be read ({first_line(error)})"
             ) from error
-        self.check(positions, model)
+        self.check(positions, model, self._frames.complete)
         positions.setflags(write=False)
         return positions
 
-    def check(self, positions: Array, model: int = 0) -> None:
-        """Refuse positions (n_atoms, 3) that are none of its nucleotides.
+    def check(self, positions: Array, model: int = 0, complete: bool = False) -> None:
+        """Refuse positions that are none of its nucleotides.
+
+        Parameters
+        ----------
+        positions : (n_atoms, 3) array
+            All atoms of one model, Å.
+        model : int
+            Its number, for the sentence.
+        complete : bool
+            Whether each atom must have one; otherwise NaN stands for an absent atom.
 
         Raises
         ------
         StructureError
             If a nucleotide lies at the origin, too far away, or has no numbers.
         """
-        _check_positions(self.where, model, self.nucleotides, positions, self._frames)
+        where = f"{self.where}, model {model + 1}" if self.n_models > 1 else self.where
+        _check_positions(where, self.nucleotides, positions, complete)
 
     def models(self) -> Iterator[Array]:
         """Positions of each model in turn; one model is in memory at a time."""
@@ -238,10 +248,9 @@ def enumerated(names: Sequence[str], most: int = 8) -> str:
 
 
 def _check_positions(
-    name: str, model: int, nucleotides: Nucleotides, positions: Array, frames: Frames
+    where: str, nucleotides: Nucleotides, positions: Array, complete: bool
 ) -> None:
     """Refuse coordinates that are no numbers, too large, or placeholders at the origin."""
-    where = f"{name}, model {model + 1}" if frames.n_models > 1 else name
     present = nucleotides.atom_index >= 0
     values = positions[nucleotides.atom_index]
     far = present & (np.abs(values) > FARTHEST_A).any(axis=2)
@@ -252,7 +261,7 @@ def _check_positions(
             " where single precision ends"
         )
     finite = np.isfinite(values).all(axis=2)
-    if not (finite & present).any() or (frames.complete and (present & ~finite).any()):
+    if not (finite & present).any() or (complete and (present & ~finite).any()):
         row = int(np.argmax((present & ~finite).any(axis=1)))
         raise StructureError(f"{where}: the coordinates of {nucleotides.label(row)} are no numbers")
     # One atom may lie at the origin by chance, two of one nucleotide cannot.

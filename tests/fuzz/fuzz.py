@@ -353,6 +353,8 @@ def outcome(path: Path) -> str:
             sentence = str(error)
             must(sentence.isprintable(), f"not one line: {sentence!r}")
             must(sentence.startswith(str(path)), f"no name of the file: {sentence}")
+            located = re.search(r"gemmi cannot read it \((line|row) \d+[: ]", sentence)
+            must("cannot read it" not in sentence or located, f"no line and no row: {sentence}")
             must(len(sentence) < len(str(path)) + 300, f"a sentence without end: {sentence}")
             return "refused"
     for loop in loops:
@@ -368,6 +370,7 @@ def fuzz(seed: int, numbers: range, folder: Path) -> tuple[Counter[str], list[st
     """Outcomes of the files of these numbers, and a line for each that is not as it should be."""
     outcomes: Counter[str] = Counter()
     faults = []
+    before_MB = _peak_MB()
     for number in numbers:
         made = case(seed, number)
         path = folder / f"case_{seed}_{number}{made.suffix}"
@@ -383,10 +386,13 @@ def fuzz(seed: int, numbers: range, folder: Path) -> tuple[Counter[str], list[st
             faults.append(f"--seed {seed} --only {number}: {what} ({place})")
             outcomes["FAULT"] += 1
         path.unlink()
-    grown_MB = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    if grown_MB > 124 + MOST_MB:
-        faults.append(f"the process has come to {grown_MB:.0f} MB")
+    if _peak_MB() > before_MB + MOST_MB:
+        faults.append(f"the process has come to {_peak_MB():.0f} MB from {before_MB:.0f} MB")
     return outcomes, faults
+
+
+def _peak_MB() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def main() -> int:
