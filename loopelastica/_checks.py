@@ -1,6 +1,7 @@
 """Checks of arguments: each gives the value back in its own type or a ValueError that names it."""
 
 import math
+import reprlib
 from collections.abc import Callable
 from numbers import Real
 from typing import Any
@@ -10,18 +11,32 @@ from numpy.typing import NDArray
 
 Check = Callable[[str, Any], Any]
 
+_SHOWN = 60
+_repr = reprlib.Repr()
+_repr.maxstring = _repr.maxother = _repr.maxlong = _SHOWN
+
+
+def shown(value: Any) -> str:
+    """What a value looks like, in one short line.
+
+    >>> shown(0.5), shown([1, 2]), len(shown("x" * 1000))
+    ('0.5', '[1, 2]', 60)
+    """
+    text = " ".join(_repr.repr(value).split())
+    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 2]}…{text[-1]}"
+
 
 def flag(name: str, value: Any) -> bool:
     """True or False, of Python or NumPy; no number, no text."""
     if not isinstance(value, bool | np.bool_):
-        raise ValueError(f"`{name}` is {_shown(value)}; it must be True or False")
+        raise ValueError(f"`{name}` is {shown(value)}; it must be True or False")
     return bool(value)
 
 
 def positive(name: str, value: Any) -> float:
     """A positive, finite number."""
-    if not (_is_real(value) and _is_finite(value) and value > 0):
-        raise ValueError(f"`{name}` is {_shown(value)}; it must be a positive, finite number")
+    if not (_is_finite(value) and value > 0):
+        raise ValueError(f"`{name}` is {shown(value)}; it must be a positive, finite number")
     return float(value)
 
 
@@ -29,9 +44,9 @@ def between(low: float, high: float) -> Check:
     """A number from `low` to `high`."""
 
     def check(name: str, value: Any) -> float:
-        if not (_is_real(value) and low <= value <= high):
+        if not (_is_finite(value) and low <= value <= high):
             raise ValueError(
-                f"`{name}` is {_shown(value)}; it must be a number from {low:g} to {high:g}"
+                f"`{name}` is {shown(value)}; it must be a number from {low:g} to {high:g}"
             )
         return float(value)
 
@@ -42,10 +57,9 @@ def whole(least: int) -> Check:
     """A whole number, `least` or more."""
 
     def check(name: str, value: Any) -> int:
-        number = _is_real(value) and _is_finite(value) and value == int(value)
-        if not (number and value >= least):
+        if not (_is_finite(value) and value == int(value) and value >= least):
             raise ValueError(
-                f"`{name}` is {_shown(value)}; it must be a whole number, {least} or more"
+                f"`{name}` is {shown(value)}; it must be a whole number, {least} or more"
             )
         return int(value)
 
@@ -60,7 +74,7 @@ def optional(check: Check) -> Check:
 def text(name: str, value: Any) -> str:
     """A text."""
     if not isinstance(value, str):
-        raise ValueError(f"`{name}` is {_shown(value)}; it must be a text")
+        raise ValueError(f"`{name}` is {shown(value)}; it must be a text")
     return value
 
 
@@ -68,7 +82,7 @@ def texts(name: str, value: Any) -> tuple[str, ...]:
     """One text or a sequence of them, as a tuple."""
     found = (value,) if isinstance(value, str) else value
     if not (isinstance(found, list | tuple) and all(isinstance(one, str) for one in found)):
-        raise ValueError(f"`{name}` is {_shown(value)}; it must be a text or a list of texts")
+        raise ValueError(f"`{name}` is {shown(value)}; it must be a text or a list of texts")
     return tuple(found)
 
 
@@ -81,35 +95,31 @@ def numbers(low: float, high: float) -> Check:
         except TypeError:
             found = ()
         if not found:
-            raise ValueError(f"`{name}` is {_shown(value)}; it must be one or more numbers")
+            raise ValueError(f"`{name}` is {shown(value)}; it must be one or more numbers")
         return tuple(between(low, high)(name, one) for one in found)
 
     return check
 
 
-def reals(name: str, value: Any) -> NDArray[np.float64]:
-    """Real numbers in a new array of any shape: no text, no truth values, nothing masked."""
+def array(name: str, value: Any) -> NDArray[np.float64]:
+    """Real numbers of any shape, finite or not, as a new array of float64.
+
+    No text, no truth values, nothing complex or masked: NumPy would drop what it cannot convert.
+
+    >>> array("position", [0, 0, 1])
+    array([0., 0., 1.])
+    """
     try:
-        array = np.array(value)
-    except (ValueError, TypeError):  # rows of unequal length
-        array = np.array(None)
-    if array.dtype.kind not in "iuf" or np.ma.is_masked(value):
-        raise ValueError(f"`{name}` is {_shown(value)}; it must be an array of real numbers")
-    return array.astype(np.float64)
-
-
-def _is_real(value: Any) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool)
+        found = np.array(value)
+    except (TypeError, ValueError, OverflowError):  # rows of unequal length
+        found = np.array(None)
+    if found.dtype.kind not in "iuf" or np.ma.is_masked(value):
+        raise ValueError(f"`{name}` is {shown(value)}; it must be an array of numbers")
+    return np.array(found, dtype=np.float64, order="C")
 
 
 def _is_finite(value: Any) -> bool:
     try:
-        return math.isfinite(value)
-    except OverflowError:  # a whole number beyond those that a float holds
+        return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:  # a whole number beyond the floating-point ones
         return False
-
-
-def _shown(value: Any) -> str:
-    """A value on one line, however long."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from loopelastica._checks import (
+    array,
     between,
     flag,
     numbers,
     optional,
     positive,
-    reals,
+    shown,
     text,
     texts,
     whole,
@@ -62,13 +63,29 @@ def test_numbers_of_any_library_are_taken():
 )
 def test_what_is_no_array_of_real_numbers_is_refused(value):
     with pytest.raises(ValueError, match="`argument`") as caught:
-        reals("argument", value)
+        array("argument", value)
     assert "\n" not in str(caught.value)
 
 
 def test_arrays_come_as_copies():
     given = np.arange(3)
-    taken = reals("x", given)
+    taken = array("x", given)
     taken[0] = 7.0
     assert (given[0], taken.dtype) == (0, np.float64)
-    assert reals("x", np.ma.masked_array([1.0], [False])).tolist() == [1.0]
+    assert array("x", np.ma.masked_array([1.0], [False])).tolist() == [1.0]
+
+
+class Unspeakable:
+    def __repr__(self):
+        raise RuntimeError
+
+
+def test_values_are_shown_in_one_line():
+    assert "\n" not in shown(np.zeros((50, 50)))
+    assert shown("two\nlines") == r"'two\nlines'"
+    assert "Unspeakable" in shown(Unspeakable())
+
+
+def test_what_cannot_be_shown_is_refused_all_the_same():
+    with pytest.raises(ValueError, match="`some`"):
+        positive("some", Unspeakable())

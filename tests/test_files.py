@@ -287,7 +287,10 @@ def test_what_cannot_be_written_is_named_as_the_user_knows_it(tmp_path, monkeypa
         write_text(folder, "text")
     monkeypatch.setattr(Path, "write_text", no_space)
     sentence = rf"^{tmp_path / 'loop'}: cannot be written \(No space left on device\)$"
-    with pytest.raises(OutputError, match=sentence), whole_folder(tmp_path / "loop", "m.json") as part:
+    with (
+        pytest.raises(OutputError, match=sentence),
+        whole_folder(tmp_path / "loop", "m.json") as part,
+    ):
         write_text(part / "a.txt", "text")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "folder.v2"]
 

@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import optional, positive, reals, whole
+from loopelastica._checks import array, optional, positive, shown, whole
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.checks import Checks, check
 from loopelastica.atoms.chemistry import LoopMolecule
@@ -143,14 +143,21 @@ def build_atoms(
     max_seconds, model = positive("max_seconds", max_seconds), whole(0)("model", model)
     check_contact(contact)
     if not isinstance(fold, LoopFold):
-        raise ValueError(f"`fold` is a {type(fold).__name__}; it must be a LoopFold")
+        raise ValueError(f"`fold` is {shown(fold)}; it must be one of the loops that were folded")
     if fold.ends is None or not fold.candidates:
         raise StructureError(fold.failure or "the loop was not folded; it gets no atoms")
-    structure = read_structure(structure)
-    at = structure.positions(model) if positions is None else reals("positions", positions)
-    if at.shape != structure.positions(0).shape:
-        raise ValueError(f"`positions` has shape {at.shape}; it must be that of all atoms")
-    site = site_of(structure, fold, at)
+    structure = read_structure(structure, fold.options.limits)
+    if positions is None:
+        positions = structure.positions(model)
+    else:
+        positions = array("positions", positions)
+        if positions.shape != (len(structure.universe.atoms), 3):
+            raise ValueError(
+                f"`positions` has shape {positions.shape}; it must be"
+                f" ({len(structure.universe.atoms)}, 3)"
+            )
+        structure.check(positions, model)
+    site = site_of(structure, fold, positions)
     chosen = fold.candidates[:max_candidates]
     models = []
     for done, candidate in enumerate(chosen, start=1):

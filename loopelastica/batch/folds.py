@@ -5,8 +5,10 @@ from typing import Any
 
 from loopelastica.batch.journal import Record
 from loopelastica.batch.run import Task, Work
-from loopelastica.folding.fold import fold
+from loopelastica.folding.fold import fold_hairpins
+from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.result import LoopFold
+from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.report.folder import Folders, is_there, write_fold
 from loopelastica.report.records import candidate_row
@@ -29,8 +31,9 @@ def fold_file(task: Task) -> Record:
     source = Path(task.source)
     options = dict(task.options)
     plot = options.pop("plot")
-    structure = read_structure(source)
-    loops = fold(structure, **options)
+    checked = FoldOptions(**options)
+    structure = read_structure(source, checked.limits)
+    loops = fold_hairpins(structure, find_hairpins(structure, **checked.selection), checked)
     folders = Folders(Path(task.out), task.number)
     rows: list[dict[str, Any]] = []
     failures: list[str] = []

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from loopelastica._files import NO_UTF8, cells, whole_file, write_csv, writing
-from loopelastica._names import safe_stem
+from loopelastica._names import printable, safe_stem
 from loopelastica._version import __version__
 from loopelastica.batch.journal import Journal, Record
 from loopelastica.batch.lock import alone_in
@@ -51,7 +51,12 @@ class Task:
 
     def as_given(self, sentence: str, out: Path) -> str:
         """A sentence about the file or its results, with the paths as they were given."""
-        for absolute, given in ((f"{self.source}: ", f"{self.file}: "), (self.out, str(out))):
+        # reading shows names in one line
+        names = self.source, printable(self.source)
+        for absolute, given in (
+            *((f"{name}: ", f"{self.file}: ") for name in names),
+            (self.out, str(out)),
+        ):
             if sentence.startswith(absolute):
                 return given + sentence[len(absolute) :]
         return sentence
@@ -61,6 +66,9 @@ class Task:
         """Digest of the file's content and of all that determines the result."""
         digest = hashlib.sha256()
         try:
+            # a pipe would block
+            if not Path(self.source).is_file():
+                raise OSError
             with Path(self.source).open("rb") as file:
                 digest.update(hashlib.file_digest(file, "sha256").digest())
         except OSError:

@@ -16,16 +16,20 @@ def evaluate(
     out: o.Out = Path("loopelastica-evaluation"),
     jobs: o.Jobs = None,
     scheduler: o.Scheduler = None,
+    max_size: o.MaxSize = None,
+    max_atoms: o.MaxAtoms = None,
 ) -> None:
     """Compare folds and simple curves with the loops of many files; write a scoreboard.
 
     The same command resumes a run that was stopped.
     """
+    from loopelastica.molecule.nucleotides import Limits
     from loopelastica.studies.evaluation.scoreboard import evaluate as evaluate_folder
 
     o.refuse(o.either(jobs, scheduler))
     with o.usage():
-        done = evaluate_folder(folder, out, jobs or 1, scheduler, progress=True)
+        limits = Limits(**o.limits(max_size, max_atoms))
+        done = evaluate_folder(folder, out, jobs or 1, scheduler, progress=True, limits=limits)
     tell(f"{done.n_files} files, {done.n_rows} loops: {out / 'scoreboard.md'}")
     o.note(done.notes)
     o.fail_of_many(done.failures, out)

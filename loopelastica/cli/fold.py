@@ -35,6 +35,8 @@ def fold(
     pair: o.Pairs = None,
     dot_bracket: o.Brackets = None,
     loop: o.Loops = None,
+    max_size: o.MaxSize = None,
+    max_atoms: o.MaxAtoms = None,
     plot: o.Plot = True,
     whole: o.Whole = None,
     jobs: o.Jobs = None,
@@ -75,6 +77,7 @@ def fold(
             pair=pair or (),
             dot_bracket=dot_bracket,
             loop=loop or (),
+            **o.limits(max_size, max_atoms),
         )
         if contact is not None:
             from loopelastica.atoms.turn import check_contact
@@ -204,7 +207,7 @@ def _fold_file(
     from loopelastica.report.pdb import WHOLE_ATOMS, WholeStructure, renamed
 
     path = Path(file)
-    structure = read_structure(file)
+    structure = read_structure(file, options.limits)
     found = find_hairpins(structure, **options.selection)
     sentences = remarks(structure, found)
     loops = fold_hairpins(structure, found, options)

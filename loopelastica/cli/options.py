@@ -6,7 +6,7 @@ A sentence goes to the standard error; :mod:`loopelastica.cli.program` has the e
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -43,6 +43,16 @@ Loops = Annotated[
         help="Only this loop, by its first and last nucleotide, such as A.13-24; repeatable. It may"
         " be absent from the file, then the numbers give its length.",
     ),
+]
+
+MaxSize = Annotated[
+    float | None,
+    typer.Option(
+        "--max-size", help="Largest file that is read, MB after decompression; default 500."
+    ),
+]
+MaxAtoms = Annotated[
+    int | None, typer.Option(help="Most atoms of a model that is read; default 1,000,000.")
 ]
 
 Darboux = Annotated[
@@ -104,6 +114,12 @@ Jobs = Annotated[
 Scheduler = Annotated[
     str | None, typer.Option(help="Address of a running dask scheduler, tcp://…; resumable.")
 ]
+
+
+def limits(max_size: float | None, max_atoms: int | None) -> dict[str, Any]:
+    """The limits of a file that are given, by the names of Python's options."""
+    named = {"max_size_MB": max_size, "max_atoms": max_atoms}
+    return {name: value for name, value in named.items() if value is not None}
 
 
 @contextmanager

@@ -34,6 +34,7 @@ _OPTIONS = {
     "free_spin": "--free-spin",
     "length_per_nucleotide_A": "--length-per-nucleotide",
     "max_candidates": "--candidates",
+    "max_size_MB": "--max-size",
     "persistence_length_A": "--persistence-length",
     "tapers": "--taper",
 }

@@ -14,6 +14,8 @@ def hairpins(
     pair: o.Pairs = None,
     dot_bracket: o.Brackets = None,
     loop: o.Loops = None,
+    max_size: o.MaxSize = None,
+    max_atoms: o.MaxAtoms = None,
     json_file: Annotated[
         Path | None, typer.Option("-o", "--json", help="Write it all to this file as JSON.")
     ] = None,
@@ -22,13 +24,14 @@ def hairpins(
     from loopelastica._files import write_json
     from loopelastica.folding.options import LoopOptions
     from loopelastica.molecule.hairpins import find_hairpins
-    from loopelastica.molecule.nucleotides import read_structure
+    from loopelastica.molecule.nucleotides import Limits, read_structure
     from loopelastica.report.listing import listing, remarks
     from loopelastica.report.tables import console, hairpins_table
 
     with o.usage():
+        limits = Limits(**o.limits(max_size, max_atoms))
         selection = LoopOptions(pair=pair or (), dot_bracket=dot_bracket, loop=loop or ()).selection
-        structure = read_structure(file)
+        structure = read_structure(file, limits)
         found = find_hairpins(structure, **selection)
     content = listing(structure, found)
     if json_file is not None:
@@ -56,6 +59,8 @@ def scan(
     pair: o.Pairs = None,
     dot_bracket: o.Brackets = None,
     loop: o.Loops = None,
+    max_size: o.MaxSize = None,
+    max_atoms: o.MaxAtoms = None,
     shown: Annotated[int, typer.Option(help="Shapes shown per loop.", min=1)] = 20,
 ) -> None:
     """Solve every clamp that the stem allows; rank all shapes: by energy, touching last."""
@@ -72,6 +77,7 @@ def scan(
             pair=pair or (),
             dot_bracket=dot_bracket,
             loop=loop or (),
+            **o.limits(max_size, max_atoms),
         )
     for scanned in scans:
         if not scanned.failure:

@@ -54,7 +54,7 @@ def fold(structure: Any, /, options: FoldOptions) -> list[LoopFold]:
     >>> loop
     <LoopFold A6-9 CUUCGG: 3 candidates, first E/K0 0.302 1/Å, RMSD 2.12 Å>
     """
-    structure = read_structure(structure)
+    structure = read_structure(structure, options.limits)
     return fold_hairpins(structure, find_hairpins(structure, **options.selection), options)
 
 

@@ -23,6 +23,7 @@ from loopelastica._checks import (
     whole,
 )
 from loopelastica.molecule.clamp_rule import RNA_TAPER
+from loopelastica.molecule.nucleotides import MAX_ATOMS, MAX_SIZE_MB, Limits
 from loopelastica.molecule.selection import brackets, places
 
 TAPER_MAX = 0.3
@@ -63,6 +64,8 @@ class LoopOptions:
         such as "A.13-24", which may be absent from the file. See :func:`find_hairpins`.
     dot_bracket : str, optional
         Secondary structure in place of the pairs of the coordinates.
+    max_size_MB, max_atoms : float, int
+        How large a file may be: megabytes after decompression, atoms of a model.
     """
 
     free_spin: bool = _option(True, flag)
@@ -73,6 +76,8 @@ class LoopOptions:
     pair: str | Sequence[str] = _option((), places)
     dot_bracket: str | None = _option(None, optional(brackets))
     loop: str | Sequence[str] = _option((), places)
+    max_size_MB: float = _option(MAX_SIZE_MB, positive)
+    max_atoms: int = _option(MAX_ATOMS, whole(1))
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -83,6 +88,11 @@ class LoopOptions:
     def selection(self) -> dict[str, Any]:
         """What :func:`find_hairpins` takes: `pair`, `dot_bracket` and `loop`."""
         return {"pair": self.pair, "dot_bracket": self.dot_bracket, "loop": self.loop}
+
+    @property
+    def limits(self) -> Limits:
+        """How large a file may be."""
+        return Limits(self.max_size_MB, self.max_atoms)
 
     def to_dict(self) -> dict[str, Any]:
         """Names and values, JSON-ready; the constructor takes them back."""

@@ -122,7 +122,7 @@ def scan(structure: Any, /, options: ScanOptions) -> list[LoopScan]:
     >>> print(f"{len(loop.candidates)} candidates, spread {loop.spread_A:.1f} Å")
     19 candidates, spread 1.5 Å
     """
-    structure = read_structure(structure)
+    structure = read_structure(structure, options.limits)
     hairpins = find_hairpins(structure, **options.selection)
     positions = structure.positions(0)
     return [scan_loop(structure.nucleotides, hairpin, positions, options) for hairpin in hairpins]

@@ -24,6 +24,8 @@ from loopelastica.molecule.nucleotides import read_structure
 _NOT_HERE = {
     "all_models": "each of its frames is folded",
     "max_candidates": "the first-ranked shape of each frame is kept",
+    "max_size_MB": "its atoms have been read",
+    "max_atoms": "its atoms have been read",
     "persistence_length_A": "its energies are E/K0, 1/Å",
 }
 

@@ -17,6 +17,8 @@ BESIDE_MAX_A: Final = 12.5
 """Longest C1'–C1' distance of two nucleotides that face each other in a helix of any pairs. Next to
 an isolated closing pair 8.7–11.2 Å are found where a stem of mispairs goes on, 13–22 Å where a
 tertiary pair merely meets a turn of the chain."""
+MOST_NAMED: Final = 1000
+"""Most nucleotides of a loop whose length only the numbers tell."""
 MIN_HELIX: Final = 3
 """Pairs in a row that make a pseudoknot of a contact."""
 
@@ -184,6 +186,8 @@ def named_loop(
             f"`loop` {name}: nucleotides are missing in the file, and with insertion codes the"
             " numbers do not say how many"
         )
+    if last.number - first.number >= MOST_NAMED:
+        raise StructureError(f"`loop` {name} has more than {MOST_NAMED:,} nucleotides")
     present = {int(nucleotides.resid[row]): row for row in range(i + 1, j)}
     rows = [present.get(number, -1) for number in range(first.number, last.number + 1)]
     if not rows:

@@ -18,6 +18,7 @@ from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleoti
 _SUGAR = ("C1'", "C3'", "C4'")
 # A substituent at C2' marks the A-form sugars of RNA; 2'-fluoro, -amino and -thio RNA have no O2'.
 _RIBO = ("O2'", "F2'", "N2'", "S2'")
+_LONGEST = 32
 _NO_CHAIN = "SYSTEM"  # the segment name MDAnalysis invents where the file has none
 
 
@@ -49,9 +50,9 @@ def recognize(atoms: Any) -> Nucleotides:
     altloc = _strings(atoms, "altLocs")
     occupancy = np.asarray(getattr(atoms, "occupancies", np.ones(len(atoms))), dtype=np.float64)
     preferred = _preferred(residue_of, altloc, occupancy)
-    table = _index_table(atoms.names, residue_of, preferred, len(atoms.universe.residues))
-    rows = np.flatnonzero(_is_nucleotide(table))
-    table = table[rows]
+    rows, table = _index_table(atoms.names, residue_of, preferred, len(atoms.universe.residues))
+    found = _is_nucleotide(table)
+    rows, table = rows[found], table[found]
 
     residues = atoms.universe.residues[rows]
     chain = _chains(atoms, residues, table)
@@ -77,7 +78,8 @@ def _strings(group: Any, attribute: str) -> NDArray[np.str_]:
     values = getattr(group, attribute, None)
     if values is None or len(values) == 0:
         return np.zeros(len(group), dtype="U1")
-    return np.char.strip(np.asarray(values, dtype=object).astype(str))
+    # NumPy makes room for the longest string in every place
+    return np.array([str(value).strip()[:_LONGEST] for value in values])
 
 
 def _has(table: NDArray[np.int64], names: tuple[str, ...]) -> NDArray[np.bool_]:
@@ -96,8 +98,10 @@ def _preferred(
     """Mark the atoms without altloc and those of the one altloc chosen in each residue."""
     preferred: NDArray[np.bool_] = np.asarray(altloc == "", dtype=np.bool_)
     alternative = np.flatnonzero(~preferred)
-    for residue in np.unique(residue_of[alternative]):
-        here = alternative[residue_of[alternative] == residue]
+    alternative = alternative[np.argsort(residue_of[alternative], kind="stable")]
+    for here in np.split(alternative, np.flatnonzero(np.diff(residue_of[alternative])) + 1):
+        if len(here) == 0:
+            break
         letters = np.unique(altloc[here])
         means = [occupancy[here[altloc[here] == letter]].mean() for letter in letters]
         # Occupancies come in hundredths: rounding keeps a tie a tie.
@@ -108,15 +112,24 @@ def _preferred(
 
 def _index_table(
     names: Any, residue_of: NDArray[np.int64], preferred: NDArray[np.bool_], n_residues: int
-) -> NDArray[np.int64]:
-    """Atom index (n_residues, len(ATOM_NAMES)): preferred atoms first, then first in the file."""
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Residues (n,) with the atoms of a sugar, and their atom index (n, len(ATOM_NAMES)).
+
+    Preferred atoms come first, then those that are first in the file.
+    """
     columns = _Columns()
     column = np.fromiter((columns[name] for name in names), dtype=np.int64, count=len(names))
-    table = np.full((n_residues, len(ATOM_NAMES)), -1, dtype=np.int64)
+    sugar = np.ones(n_residues, dtype=np.bool_)
+    for name in _SUGAR:
+        sugar &= np.bincount(residue_of[column == column_of(name)], minlength=n_residues) > 0
+    rows = np.flatnonzero(sugar)
+    row_of = np.full(n_residues, -1, dtype=np.int64)
+    row_of[rows] = np.arange(len(rows))
+    table = np.full((len(rows), len(ATOM_NAMES)), -1, dtype=np.int64)
     for chosen in (~preferred, preferred):
-        index = np.flatnonzero(chosen & (column >= 0))[::-1]
-        table[residue_of[index], column[index]] = index
-    return table
+        index = np.flatnonzero(chosen & (column >= 0) & (row_of[residue_of] >= 0))[::-1]
+        table[row_of[residue_of[index]], column[index]] = index
+    return rows, table
 
 
 def _taken(altloc: NDArray[np.str_], table: NDArray[np.int64]) -> NDArray[np.str_]:

@@ -22,7 +22,15 @@ from loopelastica._arrays import Array, Record
 from loopelastica._checks import optional, whole
 from loopelastica.errors import StructureError
 from loopelastica.molecule._loops import closing_pairs, named_loop, pairs_of, stem_length
-from loopelastica.molecule.nucleotides import Nucleotides, enumerated, linked, read_structure
+from loopelastica.molecule.nucleotides import (
+    MAX_ATOMS,
+    MAX_SIZE_MB,
+    Limits,
+    Nucleotides,
+    enumerated,
+    linked,
+    read_structure,
+)
 from loopelastica.molecule.pairs import MIN_LOOP, canonical_pairs, dot_bracket
 from loopelastica.molecule.selection import (
     Place,
@@ -135,6 +143,8 @@ def find_hairpins(
     pair: str | Sequence[str] = (),
     dot_bracket: str | None = None,
     loop: str | Sequence[str] = (),
+    max_size_MB: float = MAX_SIZE_MB,
+    max_atoms: int = MAX_ATOMS,
 ) -> Hairpins:
     """Hairpin loops of the first model of a file, or of the current frame of a Universe.
 
@@ -154,6 +164,8 @@ def find_hairpins(
         First and last nucleotide of loops such as "A.13-24"; then only these are given. Their
         neighbours 12 and 25 close them, whatever they pair with, and must be in the file. Where
         loop nucleotides are absent from the file, their numbers say how many there are.
+    max_size_MB, max_atoms : float, int
+        How large a file may be: megabytes after decompression, atoms of a model.
 
     Returns
     -------
@@ -174,17 +186,18 @@ def find_hairpins(
     ...     print(hairpin.name, hairpin.sequence, hairpin.closing_pair, hairpin.n_pairs)
     A6-9 CUUCGG ('A.C5', 'A.G10') 5
     """
+    size = Limits(max_size_MB, max_atoms)
     least = whole(1)("min_loop", min_loop)
     limits = least, whole(least)("max_loop", max_loop)
     named, pairs = places("loop", loop), places("pair", pair)
     dot_bracket = optional(brackets)("dot_bracket", dot_bracket)
-    structure = read_structure(structure)
+    structure = read_structure(structure, size)
     try:
         return _hairpins(
             structure.nucleotides, structure.positions(0), limits, pairs, dot_bracket, named
         )
     except StructureError as error:
-        where = structure.source or structure.name
+        where = structure.where
         sentence = str(error)
         raise StructureError(
             sentence if sentence.startswith(where) else f"{where}: {sentence}"
@@ -300,7 +313,8 @@ def _hairpin(
         # Without insertion codes: the numbers go on from the 5' closing nucleotide.
         resid, icode = nucleotides.resid[i] + 1 + np.arange(len(loop)), np.full(len(loop), "")
     outside = {int(k): int(partner[k]) for k in loop if k >= 0 and partner[k] >= 0}
-    outside = {k: other for k, other in outside.items() if other not in set(loop.tolist())}
+    own = set(loop.tolist())
+    outside = {k: other for k, other in outside.items() if other not in own}
     kissed = {loop_of[other] for other in outside.values() if other in loop_of}
     return Hairpin(
         chain=chain,

@@ -18,14 +18,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
+from loopelastica._checks import whole
 from loopelastica.errors import StructureError
 from loopelastica.molecule._recognition import recognize
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
 from loopelastica.molecule.reading import (
+    MAX_ATOMS,
+    MAX_SIZE_MB,
     Frames,
+    Limits,
     TableFrames,
     first_line,
     is_pdb,
+    name_of,
     open_file,
     pdb_records,
     quiet,
@@ -34,7 +39,10 @@ from loopelastica.molecule.reading import (
 __all__ = [
     "ATOM_NAMES",
     "BACKBONE",
+    "MAX_ATOMS",
+    "MAX_SIZE_MB",
     "RING",
+    "Limits",
     "Nucleotides",
     "Structure",
     "atom_positions",
@@ -50,6 +58,9 @@ __all__ = [
 
 LINK_MAX_A = 2.5
 """Longest O3'–P distance of two joined nucleotides; the bond has 1.6 Å, models of repute 2.0."""
+
+FARTHEST_A = 1e6
+"""Largest coordinate of a nucleotide: there single precision resolves 0.06 Å."""
 
 STEP_MAX_A = 9.0
 """Longest C4'–C4' distance of two joined nucleotides where O3' or P is missing."""
@@ -85,6 +96,11 @@ class Structure:
         """Number of models of a file; 1 for the current frame of a Universe."""
         return self._frames.n_models
 
+    @property
+    def where(self) -> str:
+        """What sentences call it: the path as given, or "universe"."""
+        return self.name if self.source is None else name_of(Path(self.source))
+
     def positions(self, model: int = 0) -> Array:
         """Positions (n_atoms, 3) of all atoms of one model, Å, read-only.
 
@@ -96,21 +112,41 @@ class Structure:
         ValueError
             If `model` is not in 0 … n_models − 1.
         StructureError
-            If the model cannot be read, or a nucleotide lies at the origin or has no numbers.
+            If the model cannot be read, or a nucleotide lies at the origin, too far away, or has no
+            numbers.
         """
-        if not 0 <= model < self.n_models:
+        if whole(0)("model", model) >= self.n_models:
             raise ValueError(f"`model` is {model}, but {self.name} has {self.n_models} model(s)")
         try:
             positions = self._frames.model(model)
         # Readers of MDAnalysis raise whatever a damaged frame provokes.
         except Exception as error:
             raise StructureError(
-                f"{self.source or self.name}: model {model + 1} cannot be read "
-                f"({first_line(error)})"
+                f"{self.where}: model {model + 1} cannot be read ({first_line(error)})"
             ) from error
-        _check_positions(self.source or self.name, model, self.nucleotides, positions, self._frames)
+        self.check(positions, model, self._frames.complete)
         positions.setflags(write=False)
         return positions
+
+    def check(self, positions: Array, model: int = 0, complete: bool = False) -> None:
+        """Refuse positions that are none of its nucleotides.
+
+        Parameters
+        ----------
+        positions : (n_atoms, 3) array
+            All atoms of one model, Å.
+        model : int
+            Its number, for the sentence.
+        complete : bool
+            Whether each atom must have one; otherwise NaN stands for an absent atom.
+
+        Raises
+        ------
+        StructureError
+            If a nucleotide lies at the origin, too far away, or has no numbers.
+        """
+        where = f"{self.where}, model {model + 1}" if self.n_models > 1 else self.where
+        _check_positions(where, self.nucleotides, positions, complete)
 
     def models(self) -> Iterator[Array]:
         """Positions of each model in turn; one model is in memory at a time."""
@@ -118,7 +154,7 @@ class Structure:
             yield self.positions(model)
 
 
-def read_structure(source: Any) -> Structure:
+def read_structure(source: Any, limits: Limits | None = None) -> Structure:
     """Read a file, or take a Universe or an AtomGroup in its current frame.
 
     Parameters
@@ -127,6 +163,8 @@ def read_structure(source: Any) -> Structure:
         PDB or mmCIF (also gzipped), or whatever MDAnalysis reads, with all its models; a Universe,
         or a group of its atoms, in the frame its trajectory is at, which is the only model; a
         Structure is returned as it is.
+    limits : Limits, optional
+        How large a file may be; default ``Limits()``.
 
     Returns
     -------
@@ -146,13 +184,15 @@ def read_structure(source: Any) -> Structure:
     frames: Frames
     if isinstance(source, str | os.PathLike):
         path = Path(source)
-        universe, frames = open_file(path)
-        atoms, name, where = universe.atoms, path.name, str(path)
+        universe, frames = open_file(path, limits or Limits())
+        atoms, name, where = universe.atoms, path.name, name_of(path)
+        given: str | None = str(path)
     elif hasattr(source, "universe") and hasattr(source, "atoms"):
-        universe, atoms, name, where = source.universe, source.atoms.unique, "universe", None
+        universe, atoms, name, where = source.universe, source.atoms.unique, "universe", "universe"
+        given = None
         if not hasattr(universe, "trajectory"):
             raise StructureError("universe: it has no coordinates")
-        frames = TableFrames((np.array(universe.atoms.positions, dtype=np.float64),), True)
+        frames = TableFrames(np.array([universe.atoms.positions], dtype=np.float64), True)
     else:
         raise ValueError(
             f"`source` is neither a path nor a Universe nor an AtomGroup but"
@@ -160,13 +200,13 @@ def read_structure(source: Any) -> Structure:
         )
     with quiet():
         if not hasattr(universe.atoms, "names"):
-            raise StructureError(f"{where or name}: the atoms have no names")
+            raise StructureError(f"{where}: the atoms have no names")
         nucleotides = recognize(atoms)
     if len(nucleotides) == 0:
         n_residues = len(atoms.residues)
-        raise StructureError(f"{where or name}: no nucleotide found among {n_residues} residues")
+        raise StructureError(f"{where}: no nucleotide found among {n_residues} residues")
     remarks = tuple(_remarks(nucleotides, frames))
-    structure = Structure(name, where, nucleotides, universe, remarks, frames)
+    structure = Structure(name, given, nucleotides, universe, remarks, frames)
     structure.positions(0)
     return structure
 
@@ -208,14 +248,20 @@ def enumerated(names: Sequence[str], most: int = 8) -> str:
 
 
 def _check_positions(
-    name: str, model: int, nucleotides: Nucleotides, positions: Array, frames: Frames
+    where: str, nucleotides: Nucleotides, positions: Array, complete: bool
 ) -> None:
-    """Refuse coordinates that are no numbers, or placeholders at the origin."""
-    where = f"{name}, model {model + 1}" if frames.n_models > 1 else name
+    """Refuse coordinates that are no numbers, too large, or placeholders at the origin."""
     present = nucleotides.atom_index >= 0
     values = positions[nucleotides.atom_index]
+    far = present & (np.abs(values) > FARTHEST_A).any(axis=2)
+    if far.any():
+        row = int(np.argmax(far.any(axis=1)))
+        raise StructureError(
+            f"{where}: the coordinates of {nucleotides.label(row)} are beyond {FARTHEST_A:,.0f} Å,"
+            " where single precision ends"
+        )
     finite = np.isfinite(values).all(axis=2)
-    if not (finite & present).any() or (frames.complete and (present & ~finite).any()):
+    if not (finite & present).any() or (complete and (present & ~finite).any()):
         row = int(np.argmax((present & ~finite).any(axis=1)))
         raise StructureError(f"{where}: the coordinates of {nucleotides.label(row)} are no numbers")
     # One atom may lie at the origin by chance, two of one nucleotide cannot.

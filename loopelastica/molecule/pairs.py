@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
+from loopelastica.errors import StructureError
 from loopelastica.molecule.nucleotides import Nucleotides, atom_positions
 
 # At these bounds the three tests agreed with two independent annotators on 124 of 125 pairs.
@@ -27,6 +28,10 @@ C1_C1_MAX_A: Final = 11.6
 # sound pair counts up to these bounds (1NC0: 4.3 Å, 1JUR: 44°).
 OPENED_N1_N3_MAX_A: Final = 4.5
 BUCKLED_NORMALS_MAX_DEG: Final = 50.0
+
+CROWDED: Final = 50
+"""Most bases in reach of a base, on average: one in a helix, as many as models that are laid over
+each other. Collapsed coordinates would fill the memory with pairs."""
 
 CANONICAL: Final = frozenset({"AU", "AT", "GC", "GU", "GT"})
 MIN_LOOP: Final = 3
@@ -58,6 +63,11 @@ def canonical_pairs(nucleotides: Nucleotides, positions: Array) -> NDArray[np.in
     (m, 2) array of int
         Rows i < j of paired nucleotides, sorted; each nucleotide at most once, the pair with the
         shortest N1–N3 first served. Opened pairs count next to sound ones only.
+
+    Raises
+    ------
+    StructureError
+        If so many bases lie in one place that this cannot be a structure.
     """
     i, j, distance, angle_deg = _candidates(nucleotides, positions)
     sound = (distance <= N1_N3_MAX_A) & (angle_deg <= NORMALS_MAX_DEG)
@@ -92,7 +102,15 @@ def _candidates(
     known = np.isfinite(n1 + n3 + c1 + c2 + c4 + c6).all(axis=1)
     purines = np.flatnonzero(known & np.isin(nucleotides.letter, ("A", "G")))
     pyrimidines = np.flatnonzero(known & np.isin(nucleotides.letter, ("C", "U", "T")))
-    near = cKDTree(n1[purines]).query_ball_tree(cKDTree(n3[pyrimidines]), OPENED_N1_N3_MAX_A)
+    tree, other = cKDTree(n1[purines]), cKDTree(n3[pyrimidines])
+    crowded = tree.count_neighbors(other, OPENED_N1_N3_MAX_A)
+    if crowded > CROWDED * len(nucleotides):
+        raise StructureError(
+            f"{crowded} pairs of bases are nearer than {OPENED_N1_N3_MAX_A} Å among"
+            f" {len(nucleotides)} nucleotides; the coordinates have collapsed, or are those of many"
+            " models without MODEL records"
+        )
+    near = tree.query_ball_tree(other, OPENED_N1_N3_MAX_A)
     r = np.repeat(purines, [len(found) for found in near])
     y = pyrimidines[np.array([k for found in near for k in found], dtype=np.int64)]
 
@@ -129,11 +147,14 @@ def dot_bracket(n: int, pairs: NDArray[np.int64]) -> str:
     '((.(.)))'
     """
     text = ["."] * n
-    levels: list[list[tuple[int, int]]] = [[] for _ in BRACKETS]
-    for i, j in np.asarray(pairs).tolist():
-        for (opening, closing), level in zip(BRACKETS, levels, strict=True):
-            if not any(a < i < b < j or i < a < j < b for a, b in level):
-                level.append((i, j))
+    # of each level the ends of the pairs that are open; without crossings the last ends first
+    levels: list[list[int]] = [[] for _ in BRACKETS]
+    for i, j in sorted(np.asarray(pairs).tolist()):
+        for (opening, closing), ends in zip(BRACKETS, levels, strict=True):
+            while ends and ends[-1] < i:
+                ends.pop()
+            if not ends or ends[-1] > j:
+                ends.append(j)
                 text[i], text[j] = opening, closing
                 break
     return "".join(text)

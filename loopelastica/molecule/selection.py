@@ -14,17 +14,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._checks import shown, texts
 from loopelastica._checks import text as _text
-from loopelastica._checks import texts
 from loopelastica.errors import StructureError
 from loopelastica.molecule.nucleotides import Nucleotides, enumerated
 from loopelastica.molecule.pairs import BRACKETS
 
 _PLACE = re.compile(
-    r"(?:(?P<chain>.*)\.)?(?P<name>[A-Za-z0-9+]*[A-Za-z+])?(?P<number>-?\d+)\^?(?P<icode>[A-Za-z]?)"
+    r"(?:(?P<chain>.*)\.)?(?P<name>[A-Za-z0-9+]*[A-Za-z+])?(?P<number>-?\d{1,10})\^?(?P<icode>[A-Za-z]?)"
 )
 # The hyphen between two places is the first one after a number.
 _TWO = re.compile(r"(.*?\d[A-Za-z]?)\s*[-–]\s*(.+)")
+_LONGEST = 100
 _SEPARATORS = re.compile(r"[\s&+|]")
 
 
@@ -68,13 +69,13 @@ def two_places(argument: str, text: str) -> tuple[Place, Place]:
     >>> [str(place) for place in two_places("loop", "A.-3-4B")]
     ['A.-3', '4B']
     """
-    halves = _TWO.fullmatch(text.strip())
+    halves = _TWO.fullmatch(text.strip()) if len(text) <= _LONGEST else None
     matches = [_PLACE.fullmatch(half.strip()) for half in halves.groups()] if halves else []
     places = [
         Place(m["chain"], m["name"] or "", int(m["number"]), m["icode"]) for m in matches if m
     ]
     if len(places) != 2:
-        raise ValueError(f"`{argument}` is {text!r}; it must be like A.12-A.25 or A.12-25")
+        raise ValueError(f"`{argument}` is {shown(text)}; it must be like A.12-A.25 or A.12-25")
     return places[0], places[1]
 
 

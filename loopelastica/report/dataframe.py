@@ -6,6 +6,7 @@ import importlib
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, Protocol
 
+from loopelastica._checks import shown
 from loopelastica.errors import MissingDependencyError
 from loopelastica.folding.result import LoopFold
 from loopelastica.report.records import candidate_row, loop_row
@@ -41,7 +42,7 @@ def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     MissingDependencyError
         If pandas is not installed.
     ValueError
-        If `results` are neither folds nor an analysis.
+        If `results` is neither.
 
     Examples
     --------
@@ -53,18 +54,20 @@ def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     """
     if isinstance(results, Iterable):
         rows = _fold_rows(results)
-    elif hasattr(results, "records"):
+    elif callable(getattr(results, "records", None)):
         rows = results.records()
     else:
-        raise ValueError(f"`results` is a {type(results).__name__}; it must be a list of folds")
+        raise ValueError(
+            f"`results` is {shown(results)}; it must be what fold gives, or an analysis"
+        )
     table: DataFrame = _pandas().DataFrame(list(rows))
     return table
 
 
 def _fold_rows(folds: Iterable[LoopFold]) -> Iterator[dict[str, Any]]:
     for fold in folds:
-        if not hasattr(fold, "candidates"):
-            raise ValueError(f"`results` holds a {type(fold).__name__}; it must be a list of folds")
+        if not isinstance(fold, LoopFold):
+            raise ValueError(f"`results` holds {shown(fold)}; it must hold what fold gives")
         for candidate in fold.candidates:
             yield {**loop_row(fold), **candidate_row(candidate), "failure": None}
         if fold.failure is not None:

@@ -4,7 +4,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
-from loopelastica._checks import positive, reals
+from loopelastica._checks import array, positive, shown
+
+# points of a rod; their frames then take 7 GB
+_MOST = 100_000_000
 
 
 def check_torsion_ratio(torsion_ratio: float) -> float:
@@ -14,7 +17,7 @@ def check_torsion_ratio(torsion_ratio: float) -> float:
 
 def check_loads(loads: ArrayLike) -> Array:
     """A copy (6,) of F and M at s = 0; ValueError unless they are six finite numbers."""
-    values = reals("loads", loads)
+    values = array("loads", loads)
     if values.shape != (6,) or not np.isfinite(values).all():
         raise ValueError("`loads` must be six finite numbers, F1 F2 F3 M1 M2 M3")
     return values
@@ -43,8 +46,10 @@ def arc_lengths(n: int | ArrayLike, least: int = 1) -> Array:
     if isinstance(n, int | np.integer) and not isinstance(n, bool):
         if n < least:
             raise ValueError(f"`n` is {n}; it must be at least {least}")
+        if n > _MOST:
+            raise ValueError(f"`n` is {shown(n)}; it must be at most {_MOST}")
         return np.linspace(0.0, 1.0, int(n))
-    s = reals("n", n)
+    s = array("n", n)
     if s.ndim != 1:
         raise ValueError("`n` must be a number of points or a one-dimensional array of arc lengths")
     # not (all inside) rather than (any outside): NaN is neither

@@ -160,7 +160,8 @@ def equilibria(
     tolerance : float
         Largest residual of an equilibrium that is listed.
     time_limit_s : float, optional
-        Seconds after which no further start is made, the first one being :func:`solve`; the list then says so by ``out_of_time``.
+        Seconds after which no further start is made, the first one being :func:`solve`; the list
+        then says so by ``out_of_time``.
 
     Returns
     -------

@@ -5,7 +5,8 @@ clamped; zero is a local minimum. It is counted from conjugate points and from t
 discretized Hessian (see ``second_variation``). Where they differ — multiple conjugate points, which
 sign changes miss in pairs, or a point on the verge — the discretization is refined until two meshes
 agree, and decides; but of a mode so soft that the error of the mesh could turn its sign, as where
-both ends are nearly on one line, the conjugate points decide. For √F above `STIFF` only the inertia is used: det V has lost its digits there.
+both ends are nearly on one line, the conjugate points decide. For √F above `STIFF` only the inertia
+is used: det V has lost its digits there.
 
 A rod stretched straight has nowhere to go and is stable. Where both ends lie on one line the turn
 of the rod about it costs nothing; such a zero mode does not count.

@@ -122,3 +122,27 @@ def test_reference_hairpins_meet_the_figures(hairpin_folder, entry):
     assert checks.bonds_within >= 0.99
     assert checks.angles_within >= 0.95
     assert model.rmsd_A <= loop.candidates[0].rmsd_A + 0.8
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("positions", np.zeros((3, 3))),
+        ("positions", "abc"),
+        ("contact", np.zeros(3)),
+        ("contact", "stacked"),
+        ("model", 20),
+        ("model", (0,)),
+        ("model", -1),
+    ],
+)
+def test_arguments_of_another_kind_are_named(koc, fold, name, value):
+    with pytest.raises(ValueError, match=f"`{name}`"):
+        build_atoms(koc, fold, **{name: value})
+
+
+def test_positions_of_no_structure_are_refused(koc, fold):
+    with pytest.raises(StructureError, match="at the origin"):
+        build_atoms(koc, fold, positions=np.zeros_like(koc.positions(0)))
+    with pytest.raises(ValueError, match="`fold`"):
+        build_atoms(koc, 1.0)

@@ -468,3 +468,31 @@ def test_hairpins_shows_a_chain_of_any_name(tmp_path, write_cif):
     result = run("hairpins", write_cif(tmp_path / "x.cif", "[/]\nb"))
     assert result.exit_code == 0, result.output
     assert r">[/]\nb 1-14" in result.output
+
+
+def test_limits_of_a_file_are_options_of_every_command_that_reads_one(tmp_path):
+    for command in (("hairpins",), ("scan",), ("fold", "-o", tmp_path / "out")):
+        for option, value in (("--max-size", "0.5"), ("--max-atoms", "450")):
+            result = run(*command, HAIRPIN, option, value)
+            assert result.exit_code == 1, result.output
+            assert option in result.output
+            assert "2koc.pdb" in result.output
+        assert run(*command, HAIRPIN, "--max-atoms", "0").exit_code == 2
+    assert run("hairpins", HAIRPIN, "--max-size", "1", "--max-atoms", "451").exit_code == 0
+
+
+def test_a_pipe_among_many_files_is_a_row_and_the_others_go_on(tmp_path):
+    pipe = tmp_path / "pipe.pdb"
+    os.mkfifo(pipe)
+    for jobs in ((), ("--jobs", "1")):
+        out = tmp_path / f"out{len(jobs)}"
+        result = run("fold", pipe, HAIRPIN, "-o", out, "--first-model", "--no-plot", *jobs)
+        assert result.exit_code == 1, result.output
+        assert "this is a pipe" in result.output
+        assert any(path.name.startswith("2koc") for path in out.iterdir())
+
+
+def test_limits_reach_the_workers_and_their_files(tmp_path):
+    result = run("fold", HAIRPIN, "-o", tmp_path, "--jobs", "1", "--max-atoms", "450")
+    assert result.exit_code == 1
+    assert "--max-atoms" in (tmp_path / "failures.csv").read_text()

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from loopelastica.molecule._loops import _stem_goes_on
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
-from loopelastica.molecule.pairs import canonical_pairs, dot_bracket
+from loopelastica.molecule.pairs import BRACKETS, canonical_pairs, dot_bracket
 
 # What differs from the annotator (RNApolis), hairpin by hairpin: closing pair → reason.
 DIFFERENCES = {
@@ -220,3 +220,25 @@ def test_the_ribosome(found_in):
     assert len(found) == 59
     assert {h.chain for h in found} == {"0", "9"}
     assert max(len(h) for h in found) == 13
+
+
+def test_crossing_pairs_are_told_apart_as_by_comparing_all(rng):
+    for _ in range(50):
+        rows = rng.permutation(40)[:30].reshape(-1, 2)
+        pairs = sorted((min(a, b), max(a, b)) for a, b in rows.tolist())
+        text, levels = ["."] * 40, [[] for _ in BRACKETS]
+        for i, j in pairs:
+            for (opening, closing), level in zip(BRACKETS, levels, strict=True):
+                if not any(a < i < b < j for a, b in level):
+                    level.append((i, j))
+                    text[i], text[j] = opening, closing
+                    break
+        assert dot_bracket(40, np.array(pairs)) == "".join(text)
+
+
+def test_a_hundred_thousand_pairs_are_no_matter():
+    n = 200_000
+    nested = np.stack([np.arange(n // 2), np.arange(n - 1, n // 2 - 1, -1)], axis=1)
+    assert dot_bracket(n, nested) == "(" * (n // 2) + ")" * (n // 2)
+    aside = np.arange(n).reshape(-1, 2)
+    assert dot_bracket(n, aside) == "()" * (n // 2)

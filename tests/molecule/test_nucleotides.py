@@ -225,3 +225,14 @@ def test_of_an_atom_written_twice_the_first_counts(pdb, koc_lines):
     structure = read_structure(pdb(lines))
     p = atom_positions(structure.nucleotides, structure.positions(0), ("P",))
     assert p[5, 0, 0] < 100.0
+
+
+def test_altlocs_of_many_residues_are_chosen_one_by_one(pdb, koc_lines):
+    lines = []
+    for line in koc_lines:
+        first = f"{line[:16]}A{line[17:54]}  0.40{line[60:]}"
+        second = f"{line[:16]}B{line[17:54]}  0.60{line[60:]}"
+        third = f"{line[:16]}C{line[17:54]}  0.70{line[60:]}"
+        lines += [second, first, third] if line[22:26] == "   7" else [second, first]
+    taken = read_structure(pdb(lines)).nucleotides.altloc
+    assert "".join(taken) == "BBBBBBCBBBBBBB"

@@ -94,6 +94,78 @@ def test_words_in_place_of_coordinates(pdb, koc_lines):
     assert "line 9 has no readable coordinates" in fault_of(pdb(lines))
 
 
+@pytest.mark.parametrize("number", ["****", "    ", "1A 2", "A000"])
+def test_a_residue_number_that_cannot_be_read(pdb, koc_lines, number):
+    lines = list(koc_lines)
+    lines[10] = lines[10][:22] + number + lines[10][26:]
+    sentence = fault_of(pdb(lines))
+    assert f"line 12 has no readable residue number ({number.strip()!r})" in sentence
+
+
+def test_water_needs_no_residue_number(pdb, koc_lines):
+    water = [
+        f"HETATM{k:5d}  O   HOH A****    {k:8.3f}   0.000   0.000  1.00  0.00           O"
+        for k in range(9)
+    ]
+    assert len(read_structure(pdb([*koc_lines, *water])).nucleotides) == 14
+
+
+@pytest.mark.parametrize("serial", ["*****", "A00*1", "A0000", "a1", "", "99999", "1.5"])
+def test_serials_are_not_needed(pdb, koc_lines, koc, serial):
+    lines = [f"{line[:6]}{serial:>5s}{line[11:]}" for line in koc_lines]
+    np.testing.assert_array_equal(read_structure(pdb(lines)).positions(0), koc.positions(0))
+
+
+def test_serials_of_six_digits_are_atoms(pdb, koc_lines, koc):
+    lines = [f"ATOM {100000 + k:6d}{line[11:]}" for k, line in enumerate(koc_lines)]
+    np.testing.assert_array_equal(read_structure(pdb(lines)).positions(0), koc.positions(0))
+
+
+def test_models_without_model_records(tmp_path, koc_lines, koc):
+    for end in ("ENDMDL", "END"):
+        path = tmp_path / f"{end}.pdb"
+        path.write_text(("\n".join([*koc_lines, end]) + "\n") * 3)
+        structure = read_structure(path)
+        assert structure.n_models == 3
+        np.testing.assert_array_equal(structure.positions(2), koc.positions(0))
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_any_line_end_will_do(tmp_path, koc_lines, koc, end):
+    path = tmp_path / "some.pdb"
+    path.write_bytes(end.join(koc_lines).encode())
+    np.testing.assert_array_equal(read_structure(path).positions(0), koc.positions(0))
+    damaged = [*koc_lines[:8], koc_lines[8][:30], *koc_lines[9:]]
+    path.write_bytes(end.join(damaged).encode())
+    assert "line 9 " in fault_of(path)
+
+
+@pytest.mark.parametrize("size", [100, 1000, 1023, 4096])
+def test_records_across_pieces_of_a_file_are_whole(pdb, koc_lines, koc, size, monkeypatch):
+    monkeypatch.setattr("loopelastica.molecule._source._PIECE", size)
+    path = pdb(koc_lines)
+    path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
+    np.testing.assert_array_equal(read_structure(path).positions(0), koc.positions(0))
+
+
+def test_characters_that_end_lines_elsewhere_do_not_end_a_record(pdb, koc_lines, koc):
+    lines = [f"{line[:66]}\x0b\x0c\x1c\x85\u2028{line[71:]}" for line in koc_lines]
+    np.testing.assert_array_equal(read_structure(pdb(lines)).positions(0), koc.positions(0))
+
+
+def test_a_giant_line_is_passed_over(pdb, koc_lines, koc):
+    giant = "REMARK " + "x" * 5_000_000
+    path = pdb([giant, *koc_lines, giant, koc_lines[0][:54] + " " * 3_000_000])
+    structure = read_structure(path)
+    np.testing.assert_array_equal(structure.positions(0)[:-1], koc.positions(0))
+
+
+def test_numbers_beyond_single_precision(pdb, koc_lines):
+    for far in ("   1e308", "     inf", "   -1e99", "     2e6"):
+        lines = [f"{x[:30]}{far}{x[38:]}" for x in koc_lines]
+        assert "coordinates of A.G1 are beyond" in fault_of(pdb(lines))
+
+
 def test_a_protein_has_no_nucleotide(pdb, koc_lines):
     names = (" N  ", " CA ", " C  ", " O  ", " CB ")
     lines = [
@@ -204,6 +276,71 @@ def test_mmcif_models_of_unequal_size(tmp_path, koc):
     sixth = unequal.nucleotides.atom_index[5]
     assert np.isnan(unequal.positions(1)[sixth[sixth >= 0]]).all()
     np.testing.assert_allclose(unequal.positions(2), koc.positions(2), atol=1e-4)
+
+
+@pytest.fixture
+def mmcif(tmp_path):
+    """Write 2KOC as mmCIF with one value of the fifth atom changed, or a column left out."""
+    gemmi = pytest.importorskip("gemmi")
+
+    def write(column: str, value: str | None, row: int = 4) -> Path:
+        block = gemmi.read_pdb(str(KOC)).make_mmcif_block()
+        loop = block.find_loop("_atom_site.id").get_loop()
+        if value is None:
+            loop.remove_column(f"_atom_site.{column}")
+        else:
+            block.find_loop(f"_atom_site.{column}")[row] = value
+        path = tmp_path / "some.cif"
+        path.write_text(block.as_string())
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "what"),
+    [
+        ("Cartn_x", "****", "coordinates"),
+        ("Cartn_y", "?", "coordinates"),
+        ("Cartn_z", "nan", "coordinates"),
+        ("auth_seq_id", "****", "residue number"),
+        ("auth_seq_id", "?", "residue number"),
+        ("auth_seq_id", "1.5", "residue number"),
+        ("pdbx_PDB_model_num", "x", "model number"),
+        ("label_alt_id", "AB", "alternative location"),
+        ("pdbx_PDB_ins_code", "AB", "insertion code"),
+        ("pdbx_formal_charge", "zz", "charge"),
+        ("label_atom_id", "ATOMNAME", "atom name of fewer than 8 characters"),
+    ],
+)
+def test_a_value_of_an_mmcif_file_that_cannot_be_read(mmcif, column, value, what):
+    sentence = fault_of(mmcif(column, value))
+    assert f"row 5 of _atom_site has no readable {what} ({value!r})" in sentence
+
+
+def test_the_second_residue_number_of_an_mmcif_file(mmcif):
+    sentence = fault_of(mmcif("label_seq_id", "****", row=0))
+    assert "row 1 of _atom_site has no readable residue number ('****')" in sentence
+
+
+@pytest.mark.parametrize("column", ["Cartn_x", "label_atom_id", "label_comp_id", "label_asym_id"])
+def test_a_column_of_an_mmcif_file_that_is_absent(mmcif, column):
+    assert column in fault_of(mmcif(column, None))
+
+
+def test_columns_of_an_mmcif_file_that_are_not_needed(mmcif, koc):
+    for column in ("group_PDB", "occupancy", "B_iso_or_equiv", "pdbx_formal_charge"):
+        structure = read_structure(mmcif(column, None))
+        np.testing.assert_allclose(structure.positions(3), koc.positions(3), atol=1e-4)
+
+
+def test_the_line_of_an_error_in_mmcif(tmp_path):
+    pytest.importorskip("gemmi")
+    path = tmp_path / "some.cif"
+    path.write_text("data_x\nloop_\n_a.b\n_a.c\n1 2\n3\n")
+    assert "line 6 has 1 values in place of 2" in fault_of(path)
+    path.write_text("data_x\n_a.b 1\n_a.b 2\n")
+    assert "line 3 in data_x" in fault_of(path)
 
 
 def test_mmcif_without_gemmi_names_the_extra(tmp_path, monkeypatch):

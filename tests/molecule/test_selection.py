@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from loopelastica._files import data_path
 from loopelastica.errors import StructureError
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
@@ -237,3 +238,33 @@ def test_brackets_that_do_not_fit_are_told_the_form(koc):
         find_hairpins(koc, dot_bracket="((((((....)))))")
     with pytest.raises(StructureError, match="3 characters for 14 nucleotides; it needs one for"):
         find_hairpins(koc, dot_bracket="...")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1" * 5000 + "-2", "A." * 20_000 + "1-2", "a1" * 50_000, "A.1-" + "9" * 40, "x" * 10_000],
+)
+def test_endless_names_are_refused_at_once_and_in_short(text):
+    for argument in ("pair", "loop"):
+        with pytest.raises(ValueError, match=f"`{argument}` is ") as caught:
+            two_places(argument, text)
+        assert len(str(caught.value)) < 200
+
+
+def test_a_loop_of_a_million_nucleotides_that_are_not_in_the_file_is_refused(tmp_path):
+    gemmi = pytest.importorskip("gemmi")
+    structure = gemmi.read_pdb(str(data_path("hairpins/2koc.pdb")))
+    for model in structure:
+        for residue in list(model[0])[9:]:
+            residue.seqid.num += 1_000_000_000
+        del model[0][7]
+    path = tmp_path / "far.cif"
+    structure.make_mmcif_document().write_file(str(path))
+    with pytest.raises(StructureError, match=r"far\.cif.*more than 1,000 nucleotides"):
+        find_hairpins(path, loop="A.6-1000000009")
+
+
+def test_brackets_by_the_million(koc):
+    n = 500_000
+    with pytest.raises(StructureError, match="1000000 characters for 14 nucleotides"):
+        bracket_pairs(koc.nucleotides, "(" * n + ")" * n)

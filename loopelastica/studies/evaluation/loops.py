@@ -18,7 +18,7 @@ from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.clamp_rule import StemClamp, plain_clamp
 from loopelastica.molecule.ends import FittedStem, StemEnds, fit_stem
 from loopelastica.molecule.hairpins import find_hairpins
-from loopelastica.molecule.nucleotides import read_structure
+from loopelastica.molecule.nucleotides import Limits, read_structure
 from loopelastica.molecule.trace import loop_arc_positions, rmsd_A, to_file_coordinates
 from loopelastica.rod.solve import solve
 from loopelastica.studies.evaluation.curves import arc, chord, hermite, stem_axes
@@ -52,7 +52,7 @@ def evaluate_file(task: Task) -> Record:
     mean loops) and ``grid`` (the RMSD at each of `TAPERS` × `EXTENSIONS`, for refits).
     """
     source = Path(task.source)
-    structure = read_structure(source)
+    structure = read_structure(source, Limits(**task.options))
     hairpins = find_hairpins(structure)
     rows, failures = [], []
     options = FoldOptions(max_candidates=1000)

@@ -1,7 +1,7 @@
 """From the rows of all loops to the scoreboard: CSV, markdown and pictures."""
 
 import re
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from loopelastica._files import write_csv, write_text
 from loopelastica._names import printable
 from loopelastica.batch.run import Run, distinct, run, tasks_of
+from loopelastica.molecule.nucleotides import Limits
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.evaluation.loops import COLUMNS, EVALUATION
 from loopelastica.studies.evaluation.refit import interval, refitted_A
@@ -41,6 +42,7 @@ def evaluate(
     jobs: int = 1,
     scheduler: str | None = None,
     progress: bool = False,
+    limits: Limits | None = None,
 ) -> Run:
     """Measure every loop of every structure of a folder; write the scoreboard.
 
@@ -57,6 +59,8 @@ def evaluate(
         As for :func:`loopelastica.batch.workers.outcomes`.
     progress : bool
         Show a bar.
+    limits : Limits, optional
+        How large a file may be.
 
     Returns
     -------
@@ -71,8 +75,9 @@ def evaluate(
     from loopelastica.studies.evaluation.pictures import draw
 
     files, again = distinct(structure_files(folder))
+    made = tasks_of(files, asdict(limits or Limits()), out)
     # in the tables a file has its name in the folder
-    tasks = [replace(task, file=Path(task.file).name) for task in tasks_of(files, {}, out)]
+    tasks = [replace(task, file=Path(task.file).name) for task in made]
     done = run(EVALUATION, tasks, out, jobs, scheduler, progress)
     rows = [dict(row) for row in done.rows]
     add_comparisons(rows)
