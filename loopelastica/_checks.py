@@ -4,12 +4,13 @@ import math
 import reprlib
 from collections.abc import Callable
 from numbers import Real
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Check = Callable[[str, Any], Any]
+T = TypeVar("T")
 
 _SHOWN = 60
 _repr = reprlib.Repr()
@@ -38,6 +39,20 @@ def positive(name: str, value: Any) -> float:
     if not (_is_finite(value) and value > 0):
         raise ValueError(f"`{name}` is {shown(value)}; it must be a positive, finite number")
     return float(value)
+
+
+def finite(name: str, value: Any) -> float:
+    """A finite number of either sign."""
+    if not _is_finite(value):
+        raise ValueError(f"`{name}` is {shown(value)}; it must be a finite number")
+    return float(value)
+
+
+def instance(name: str, value: Any, kind: type[T]) -> T:
+    """An object of a class of ours."""
+    if not isinstance(value, kind):
+        raise ValueError(f"`{name}` is {shown(value)}; it must be of {kind.__name__}")
+    return value
 
 
 def between(low: float, high: float) -> Check:

@@ -103,7 +103,7 @@ def pieces(path: Path, limits: Limits) -> Generator[bytes, None, None]:
         If the file is absent, not regular, unreadable, cut short or too large.
     """
     opener = _OPENERS.get(path.suffix.lower(), open)
-    left = int(limits.max_size_MB * 1e6)
+    left = limits.max_size_MB * 1e6
     try:
         _check_regular(path)
         with opener(path, "rb") as stream:

@@ -116,7 +116,7 @@ def straight(clamping: Clamping, torsion_ratio: float) -> Equilibrium | None:
         If no rod fits: the ends are further apart than its length, or as far with end tangents
         that do not point along it.
     """
-    distance = float(np.linalg.norm(clamping.position))
+    distance = math.hypot(*clamping.position)
     if distance < 1.0 - STRAIGHT:
         return None
     if distance > 1.0 + STRAIGHT:

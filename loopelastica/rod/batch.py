@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import whole
+from loopelastica._checks import array, flag, whole
 from loopelastica.rod._arguments import check_torsion_ratio
 from loopelastica.rod._library import stored_rods
 from loopelastica.rod._starts import (
@@ -167,8 +167,8 @@ def solve_batch(
     [ True False] [0 5] 4.0504
     """
     deadline, tolerance = Deadline(time_limit_s), check_tolerance(tolerance)
-    batch = _unsolved(positions, rotations, torsion_ratio, bool(free_spin))
-    threads = whole(1)("threads", threads)
+    batch = _unsolved(positions, rotations, torsion_ratio, flag("free_spin", free_spin))
+    threads, lowest = whole(1)("threads", threads), flag("lowest", lowest)
     solvable = _solvable(batch)
     for i in np.flatnonzero(batch.status == Status.UNREACHABLE):
         _try_straight(int(i), batch)
@@ -177,7 +177,7 @@ def solve_batch(
         if deadline.passed:
             batch.status[part] = Status.OUT_OF_TIME
             return
-        _solve_rows(part, bool(lowest), tolerance, deadline, batch)
+        _solve_rows(part, lowest, tolerance, deadline, batch)
 
     parts = _parts(solvable, batch.torsion_ratio)
     if threads == 1 or len(parts) < 3:
@@ -223,15 +223,15 @@ def _unsolved(
     positions: ArrayLike, rotations: ArrayLike, torsion_ratio: ArrayLike, free_spin: bool
 ) -> Batch:
     """Rows that nothing has been tried on."""
-    places = np.array(positions, dtype=np.float64, ndmin=1)
-    frames = np.array(rotations, dtype=np.float64, ndmin=1)
+    places = np.atleast_1d(array("positions", positions))
+    frames = np.atleast_1d(array("rotations", rotations))
     n = len(places)
     if places.shape != (n, 3) or frames.shape != (n, 3, 3):
         raise ValueError(
             f"`positions` {places.shape} and `rotations` {frames.shape} must be (n, 3) and"
             " (n, 3, 3)"
         )
-    ratios = np.array(torsion_ratio, dtype=np.float64)
+    ratios = array("torsion_ratio", torsion_ratio)
     if ratios.shape not in ((), (n,)):
         raise ValueError(f"`torsion_ratio` has shape {ratios.shape}; it must be a number or ({n},)")
     for ratio in np.unique(ratios):
@@ -252,13 +252,13 @@ def _unsolved(
 def _solvable(batch: Batch) -> NDArray[np.bool_]:
     """Which rows can be solved; the others are marked in ``batch``."""
     positions, rotations = batch.positions, batch.rotations
-    with np.errstate(invalid="ignore", over="ignore"):
+    with np.errstate(all="ignore"):
         products = rotations.transpose(0, 2, 1) @ rotations
         # a comparison with NaN is false, so that NaN is caught as well
         proper = (np.abs(products - np.eye(3)) < 1e-4).all(axis=(1, 2))
         proper &= (np.cross(rotations[:, :, 0], rotations[:, :, 1]) * rotations[:, :, 2]).sum(1) > 0
         distance = np.linalg.norm(positions, axis=1)
-        proper &= np.isfinite(distance)
+        proper &= np.isfinite(positions).all(axis=1)
         slack = distance < 1.0 - STRAIGHT
     batch.status[~slack] = Status.UNREACHABLE
     batch.status[~proper] = Status.BAD_INPUT

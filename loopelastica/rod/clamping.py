@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, Record, read_only
+from loopelastica._checks import array, finite, flag, positive, shown
 
 # a matrix read from a file with five decimals is still a rotation; a worse one is a mistake
 _ORTHONORMAL = 1e-4
@@ -18,19 +19,21 @@ _ORTHONORMAL = 1e-4
 _ROUNDING = 1e-14
 
 
-def _nearest_rotation(rotation: Array) -> Array:
+def _nearest_rotation(rotation: Array, name: str = "rotation") -> Array:
     """The rotation nearest to an almost orthonormal matrix; ValueError if it is not near one."""
     if rotation.shape != (3, 3):
-        raise ValueError(f"`rotation` has shape {rotation.shape}; it must be (3, 3)")
+        raise ValueError(f"`{name}` has shape {rotation.shape}; it must be (3, 3)")
     if not np.isfinite(rotation).all():
-        raise ValueError("`rotation` has an entry that is not finite")
+        raise ValueError(f"`{name}` has an entry that is not finite")
+    if np.abs(rotation).max() > 2.0:
+        raise ValueError(f"`{name}` is not a rotation: it has an entry above 1")
     defect = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
     if defect > _ORTHONORMAL:
         raise ValueError(
-            f"`rotation` is not a rotation: its columns miss orthonormality by {defect:.2g}"
+            f"`{name}` is not a rotation: its columns miss orthonormality by {defect:.2g}"
         )
     if np.linalg.det(rotation) < 0:
-        raise ValueError("`rotation` is not a rotation: its determinant is −1, a reflection")
+        raise ValueError(f"`{name}` is not a rotation: its determinant is −1, a reflection")
     if defect < _ROUNDING:
         return rotation
     u, _, vt = np.linalg.svd(rotation)
@@ -78,15 +81,15 @@ class Clamping(Record):
     free_spin: bool = False
 
     def __post_init__(self) -> None:
-        position = np.array(self.position, dtype=np.float64)
+        position = array("position", self.position)
         if position.shape != (3,):
             raise ValueError(f"`position` has shape {position.shape}; it must be (3,)")
         if not np.isfinite(position).all():
             raise ValueError("`position` has an entry that is not finite")
-        rotation = _nearest_rotation(np.array(self.rotation, dtype=np.float64))
+        rotation = _nearest_rotation(array("rotation", self.rotation))
         object.__setattr__(self, "position", read_only(position))
         object.__setattr__(self, "rotation", read_only(rotation))
-        object.__setattr__(self, "free_spin", bool(self.free_spin))
+        object.__setattr__(self, "free_spin", flag("free_spin", self.free_spin))
 
     def __repr__(self) -> str:
         parameters = ", ".join(f"{value:.6g}" for value in self.parameters)
@@ -124,7 +127,7 @@ class Clamping(Record):
         ValueError
             If `q` has another shape or is not finite.
         """
-        values = np.asarray(q, dtype=np.float64)
+        values = array("q", q)
         if values.shape != (6,):
             raise ValueError(f"`q` has shape {values.shape}; it must be six clamping parameters")
         if not np.isfinite(values).all():
@@ -163,12 +166,16 @@ class Clamping(Record):
         ValueError
             If `length` is not positive and finite, or a frame is no rotation.
         """
-        if not (np.isfinite(length) and length > 0):
-            raise ValueError(f"`length` is {length}; it must be positive and finite")
-        frame = _nearest_rotation(np.array(start_frame, dtype=np.float64))
-        end = _nearest_rotation(np.array(end_frame, dtype=np.float64))
-        step = np.asarray(end_origin, dtype=np.float64) - np.asarray(start_origin, dtype=np.float64)
-        return cls(frame.T @ step / length, frame.T @ end, free_spin)
+        length = positive("length", length)
+        frame = _nearest_rotation(array("start_frame", start_frame), "start_frame")
+        end = _nearest_rotation(array("end_frame", end_frame), "end_frame")
+        origins = array("start_origin", start_origin), array("end_origin", end_origin)
+        for name, origin in zip(("start_origin", "end_origin"), origins, strict=True):
+            if origin.shape != (3,) or not np.isfinite(origin).all():
+                raise ValueError(f"`{name}` must be three finite numbers")
+        with np.errstate(over="ignore", invalid="ignore"):
+            position = frame.T @ ((origins[1] - origins[0]) / length)
+        return cls(position, frame.T @ end, free_spin)
 
     @property
     def parameters(self) -> Array:
@@ -207,7 +214,7 @@ class Clamping(Record):
         The new frame is the old one turned by −`angle` about d3, so that both ends' components
         turn by +`angle`: ψ grows and φ falls by it.
         """
-        z = _rotation_zyz(angle, 0.0, 0.0)
+        z = _rotation_zyz(finite("angle", angle), 0.0, 0.0)
         return Clamping(z @ self.position, z @ self.rotation @ z.T, self.free_spin)
 
     def reduced(self) -> tuple["Clamping", float]:
@@ -247,5 +254,10 @@ class Clamping(Record):
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> "Clamping":
-        """The inverse of :meth:`to_dict`."""
+        """The inverse of :meth:`to_dict`.
+
+        Raises KeyError if a value is missing, and ValueError for what is no clamping.
+        """
+        if not isinstance(values, dict):
+            raise ValueError(f"`values` is {shown(values)}; it must be a dictionary of a clamping")
         return cls(values["position"], values["rotation"], values["free_spin"])

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from loopelastica._arrays import Array, Record, read_only
-from loopelastica._checks import positive, whole
+from loopelastica._checks import finite, flag, instance, optional, positive, whole
 from loopelastica.rod._branch import (
     AGREE,
     SEGMENTS,
@@ -152,17 +152,19 @@ def continue_clamping(
     >>> print(path.converged, round(path.end.energy, 4), len(path.folds))
     True 7.6179 0
     """
+    rod, clamping = instance("rod", rod, Equilibrium), instance("clamping", clamping, Clamping)
     steps, max_step = whole(0)("steps", steps), positive("max_step", max_step)
+    natural, stability = optional(flag)("natural", natural), flag("stability", stability)
     if clamping.free_spin != rod.clamping.free_spin:
         raise ValueError("`clamping` and `rod` must both leave the end's spin free, or neither")
+    refusal = _refused(rod, clamping)
+    if refusal is not None:
+        return refusal
     from scipy.spatial.transform import Rotation
 
     axis = Rotation.from_matrix(rod.clamping.rotation.T @ clamping.rotation).as_rotvec()
     shift = clamping.position - rod.clamping.position
     clamp_path = ClampPath(rod.clamping, shift, np.asarray(axis), rod.torsion_ratio, 1.0)
-    refusal = _refused(rod, clamping)
-    if refusal is not None:
-        return refusal
     change = float(np.linalg.norm(shift) + np.linalg.norm(axis))
     if change < 1e-14:
         return _Continuation(clamp_path, 1.0, stability).given(rod)
@@ -216,8 +218,8 @@ def twist_end(
     True 19.1464
     """
     steps, max_step = whole(0)("steps", steps), positive("max_step", max_step)
-    if not math.isfinite(turns):
-        raise ValueError(f"`turns` is {turns}; it must be finite")
+    rod, turns = instance("rod", rod, Equilibrium), finite("turns", turns)
+    stability = flag("stability", stability)
     if rod.clamping.free_spin:
         raise ValueError("`rod` leaves the spin of its end free; turning it changes nothing")
     sign = math.copysign(1.0, turns)
@@ -237,7 +239,7 @@ def _refused(rod: Equilibrium, clamping: Clamping) -> Path | None:
         message = f"the rod to start from is no solution: {rod.message}"
         return Path(nothing, (), nothing, nothing, rod.status, message)
     status, message = Status.CONVERGED, ""
-    if np.linalg.norm(clamping.position) >= 1.0:
+    if math.hypot(*clamping.position) >= 1.0:
         status, message = Status.UNREACHABLE, MESSAGES[Status.UNREACHABLE]
     elif rod.method == Method.STRAIGHT:
         status = Status.STALLED

@@ -22,7 +22,7 @@ from functools import partial
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica._checks import optional, positive, whole
+from loopelastica._checks import instance, optional, positive, whole
 from loopelastica.rod._arguments import check_torsion_ratio
 from loopelastica.rod._library import stored_rods
 from loopelastica.rod._starts import (
@@ -181,6 +181,7 @@ def equilibria(
     >>> print([round(rod.energy, 4) for rod in equilibria(q, energy_max=30)])
     [7.0579, 19.1464, 23.2724]
     """
+    clamping = instance("clamping", clamping, Clamping)
     torsion_ratio, tolerance = check_torsion_ratio(torsion_ratio), check_tolerance(tolerance)
     deadline = Deadline(time_limit_s)
     energy_max = optional(positive)("energy_max", energy_max)

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, Record, read_only
-from loopelastica.rod._arguments import arc_lengths
+from loopelastica._checks import array, finite, optional, shown, whole
+from loopelastica.rod._arguments import arc_lengths, check_loads, check_torsion_ratio
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.kernels.records import LAYERS, Method, Status
 
@@ -248,25 +249,38 @@ class Equilibrium(Record):
     def from_dict(cls, values: dict[str, Any]) -> "Equilibrium":
         """The inverse of :meth:`to_dict`.
 
-        Raises KeyError if a value is missing, and what :class:`Clamping` raises.
+        Raises KeyError if a value is missing, and ValueError for what is no equilibrium.
         """
+        if not isinstance(values, dict):
+            raise ValueError(f"`values` is {shown(values)}; it must be a dictionary of a rod")
+        try:
+            return cls(
+                Clamping.from_dict(values["clamping"]),
+                check_torsion_ratio(values["torsion_ratio"]),
+                check_loads(values["loads"]),
+                _number(values["energy"]),
+                _number(values["residual"]),
+                Status(values["status"]),
+                Method[values["method"].upper()],
+                *_nodes(values["node_s"], values["node_pose"]),
+                _layers(values["layers"]),
+                optional(whole(0))("index", values["index"]),
+            )
+        except (TypeError, AttributeError, IndexError, OverflowError) as error:
+            raise ValueError(f"`values` is no dictionary of a rod ({error})") from None
 
-        def number(name: str) -> float:
-            return math.inf if values[name] is None else float(values[name])
 
-        return cls(
-            Clamping.from_dict(values["clamping"]),
-            float(values["torsion_ratio"]),
-            values["loads"],
-            number("energy"),
-            number("residual"),
-            Status(values["status"]),
-            Method[values["method"].upper()],
-            values["node_s"],
-            values["node_pose"],
-            _layers(values["layers"]),
-            values["index"],
-        )
+def _number(value: float | None) -> float:
+    return math.inf if value is None else finite("values", value)
+
+
+def _nodes(s: ArrayLike, pose: ArrayLike) -> tuple[Array, Array]:
+    found = array("node_s", s), array("node_pose", pose)
+    n = found[0].size
+    shapes = found[0].shape == (n,) and n > 0 and found[1].shape == (n, 7)
+    if not shapes or not all(np.isfinite(a).all() for a in found):
+        raise ValueError("`node_s` and `node_pose` must be finite, of shapes (n,) and (n, 7)")
+    return found
 
 
 _LAYER_FIELDS = LAYERS.names or ()
@@ -275,4 +289,5 @@ _LAYER_FIELDS = LAYERS.names or ()
 def _layers(values: dict[str, float] | None) -> Any:
     if values is None:
         return np.zeros(0, LAYERS)
-    return np.array([tuple(values[name] for name in _LAYER_FIELDS)], dtype=LAYERS)
+    layers = tuple(finite(name, values[name]) for name in _LAYER_FIELDS)
+    return np.array([layers], dtype=LAYERS)

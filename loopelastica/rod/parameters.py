@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
+from loopelastica._checks import array, finite
 from loopelastica.rod._arguments import arc_lengths, check_loads, check_torsion_ratio
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ __all__ = ["PhysicalParameters", "a_min", "forceless"]
 
 # How far below a_Min an `a` may lie: rounding of eq. 11 and of a_Min itself, with a margin.
 _A_TOLERANCE = 1e-12
+# beyond, phases and angles have no digits left
+_LARGEST = 1e12
 
 
 def a_min(lam: float, t_p: float) -> float:
@@ -90,7 +93,7 @@ def forceless(
     """
     from loopelastica.rod.kernels.finite_rod import forceless_along
 
-    vector = np.array(moment, dtype=np.float64)
+    vector = array("moment", moment)
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise ValueError("`moment` must be three finite numbers")
     line, frames = forceless_along(vector, check_torsion_ratio(torsion_ratio), arc_lengths(n, 2))
@@ -139,9 +142,9 @@ class PhysicalParameters:
 
     def __post_init__(self) -> None:
         for name in ("lam", "t_p", "a", "phi0", "s_ini", "length"):
-            value = float(getattr(self, name))
-            if not math.isfinite(value):
-                raise ValueError(f"`{name}` is {value}; it must be finite")
+            value = finite(name, getattr(self, name))
+            if abs(value) > _LARGEST:
+                raise ValueError(f"`{name}` is {value}; its size must be at most {_LARGEST:g}")
             object.__setattr__(self, name, value)
         if self.length <= 0.0:
             raise ValueError(f"`length` is {self.length}; it must be positive")

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from loopelastica._checks import array, flag, instance
 from loopelastica.rod._arguments import check_torsion_ratio
 from loopelastica.rod._starts import (
     TOLERANCE,
@@ -79,6 +80,7 @@ def solve(
     >>> print(rod.converged, round(rod.energy, 6), rod.residual < 1e-9)
     True 7.057888 True
     """
+    clamping, lowest = instance("clamping", clamping, Clamping), flag("lowest", lowest)
     torsion_ratio, tolerance = check_torsion_ratio(torsion_ratio), check_tolerance(tolerance)
     deadline = Deadline(time_limit_s)
     stretched = straight(clamping, torsion_ratio)
@@ -104,7 +106,7 @@ def _from_guess(
                 return replace(path.end, method=Method.GUESS)
         loads = guess.loads
     else:
-        loads = np.array(guess, dtype=np.float64)
+        loads = array("guess", guess)
         if loads.shape != (6,) or not np.isfinite(loads).all():
             raise ValueError("`guess` must be an Equilibrium or six finite loads F1 F2 F3 M1 M2 M3")
     rod = from_loads(clamping, torsion_ratio, loads, _PATIENCE, tolerance)

@@ -135,3 +135,17 @@ def test_methods_take_over_from_each_other():
         height = np.sqrt((1 - 1e-7) ** 2 - across**2)
         methods.append(le.solve(le.Clamping([across, 0, height], end)).method)
     assert methods == [Method.NEARLY_STRAIGHT, Method.NEARLY_STRAIGHT, Method.BOUNDARY_LAYERS]
+
+
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-11])
+@pytest.mark.parametrize("free_spin", [False, True])
+def test_ends_exactly_in_line_are_kept_exactly(free_spin, tolerance):
+    """Where a tilt has to choose the direction it must not stay."""
+    end = Rotation.from_rotvec([0, 0, 2.0]).as_matrix()
+    for height in (0.992, 0.9999, 1 - 1e-7):
+        clamping = le.Clamping([0, 0, height], end, free_spin)
+        rod = le.solve(clamping, 0.5, tolerance=tolerance)
+        assert rod.converged
+        apart = rod.frames(2)[-1] - end
+        assert np.abs(apart[:, 2] if free_spin else apart).max() < 1e-10
+        assert np.abs(rod.centerline(2)[-1] - clamping.position).max() < 1e-10

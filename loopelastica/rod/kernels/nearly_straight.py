@@ -305,8 +305,14 @@ def bend_nodes(problem, turns, nodes):
     s, pose = nodes.s, nodes.pose
     graded_nodes(_growth(bend), s)
     psi, _, phi = zyz_angles(q[0], -q[1], -q[2], -q[3])
-    for i in range(s.shape[0]):
+    last = s.shape[0] - 1
+    for i in range(last + 1):
         part, theta = _partial(bend, s[i]), _tangent(bend, s[i])
+        if i == last:
+            # that of the clamping, which a tilt may have been added to
+            relative(q, problem.quaternion, p)
+            psi_1, theta_1, _ = zyz_angles(p[0], p[1], p[2], p[3])
+            theta = _tilt(psi_1, theta_1)
         across = bend.c * s[i] + part.a + part.b
         z = s[i] - _shortening(bend, s[i])
         for c in range(3):
@@ -315,7 +321,6 @@ def bend_nodes(problem, turns, nodes):
         turn(p, -theta.imag, theta.real, 0.0)
         spin(p, psi + phi + bend.moment * s[i] + _area(bend, s[i]))
         copy(p, pose[i, 3:])
-    last = s.shape[0] - 1
     for c in range(3):
         pose[0, c], pose[last, c] = 0.0, problem.position[c]
     pose[0, 3] = 1.0

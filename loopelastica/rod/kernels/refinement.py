@@ -23,7 +23,7 @@ from loopelastica.rod.kernels.multiple_shooting import refine
 from loopelastica.rod.kernels.nearly_straight import bend_loads, bend_nodes
 from loopelastica.rod.kernels.newton import CONVERGED, elastic_energy, newton
 from loopelastica.rod.kernels.records import SEGMENTS, Method, Nodes, Outcome, Problem
-from loopelastica.rod.kernels.rotations import align, end_turn, tangent
+from loopelastica.rod.kernels.rotations import align, end_turn, larger, tangent
 from loopelastica.rod.kernels.shooting import moment_bound
 
 NONE, BOUNDARY_LAYERS = int(Method.NONE), int(Method.BOUNDARY_LAYERS)
@@ -160,7 +160,17 @@ def _accept_ended(problem, nodes, loads):
     if problem.free_spin:
         loads[5] = 0.0
         end = nodes.pose[nodes.s.shape[0] - 1, 3:]
+        if not _tangents_apart(end, problem.quaternion) < 0.1 * problem.tolerance:
+            return math.inf, math.inf
     return accept_nodes(with_end(problem, end, problem.torsion_ratio), nodes, loads)
+
+
+@kernel
+def _tangents_apart(p, q):
+    """Largest component of the difference of two frames' tangents."""
+    px, py, pz = tangent(p)
+    qx, qy, qz = tangent(q)
+    return larger(larger(abs(px - qx), abs(py - qy)), abs(pz - qz))
 
 
 @kernel
@@ -265,6 +275,8 @@ def refine_discrete_rod(problem, minimized_ratio, minimized, rod, load, solution
     # with M3 = 0 the ratio is void
     ratio = 1.0 if problem.free_spin else problem.torsion_ratio
     end = rod.frames[n + 1] if problem.free_spin else problem.quaternion
+    if not _tangents_apart(end, problem.quaternion) < 0.1 * problem.tolerance:
+        return Outcome(NONE, math.inf, math.inf, 0)
     ended = with_end(problem, end, ratio)
     m = 16 if root < 40.0 else 32
     # more nodes help where the discrete rod is near, not where nothing was minimized
