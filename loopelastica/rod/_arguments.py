@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
-from loopelastica._checks import array, positive, shown
+from loopelastica._checks import array, flag, positive, shown
 
 # points of a rod; their frames then take 7 GB
 _MOST = 100_000_000
@@ -13,6 +13,15 @@ _MOST = 100_000_000
 def check_torsion_ratio(torsion_ratio: float) -> float:
     """K30 as a float; ValueError unless it is positive and finite."""
     return positive("torsion_ratio", torsion_ratio)
+
+
+def check_flag(name: str, value: bool) -> bool:
+    """True or False, for which 1 and 0 may stand; ValueError for anything else."""
+    return (
+        bool(value)
+        if isinstance(value, int | np.integer) and value in (0, 1)
+        else flag(name, value)
+    )
 
 
 def check_loads(loads: ArrayLike) -> Array:

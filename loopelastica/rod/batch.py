@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import array, flag, whole
-from loopelastica.rod._arguments import check_torsion_ratio
+from loopelastica._checks import array, whole
+from loopelastica.rod._arguments import check_flag, check_torsion_ratio
 from loopelastica.rod._library import stored_rods
 from loopelastica.rod._starts import (
     STRAIGHT,
@@ -167,8 +167,8 @@ def solve_batch(
     [ True False] [0 5] 4.0504
     """
     deadline, tolerance = Deadline(time_limit_s), check_tolerance(tolerance)
-    batch = _unsolved(positions, rotations, torsion_ratio, flag("free_spin", free_spin))
-    threads, lowest = whole(1)("threads", threads), flag("lowest", lowest)
+    batch = _unsolved(positions, rotations, torsion_ratio, check_flag("free_spin", free_spin))
+    threads, lowest = whole(1)("threads", threads), check_flag("lowest", lowest)
     solvable = _solvable(batch)
     for i in np.flatnonzero(batch.status == Status.UNREACHABLE):
         _try_straight(int(i), batch)

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, Record, read_only
-from loopelastica._checks import array, finite, flag, positive, shown
+from loopelastica._checks import array, finite, positive, shown
+from loopelastica.rod._arguments import check_flag
 
 # a matrix read from a file with five decimals is still a rotation; a worse one is a mistake
 _ORTHONORMAL = 1e-4
@@ -89,7 +90,7 @@ class Clamping(Record):
         rotation = _nearest_rotation(array("rotation", self.rotation))
         object.__setattr__(self, "position", read_only(position))
         object.__setattr__(self, "rotation", read_only(rotation))
-        object.__setattr__(self, "free_spin", flag("free_spin", self.free_spin))
+        object.__setattr__(self, "free_spin", check_flag("free_spin", self.free_spin))
 
     def __repr__(self) -> str:
         parameters = ", ".join(f"{value:.6g}" for value in self.parameters)

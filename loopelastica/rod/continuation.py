@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from loopelastica._arrays import Array, Record, read_only
-from loopelastica._checks import finite, flag, instance, optional, positive, whole
+from loopelastica._checks import finite, instance, optional, positive, whole
+from loopelastica.rod._arguments import check_flag
 from loopelastica.rod._branch import (
     AGREE,
     SEGMENTS,
@@ -154,7 +155,10 @@ def continue_clamping(
     """
     rod, clamping = instance("rod", rod, Equilibrium), instance("clamping", clamping, Clamping)
     steps, max_step = whole(0)("steps", steps), positive("max_step", max_step)
-    natural, stability = optional(flag)("natural", natural), flag("stability", stability)
+    natural, stability = (
+        optional(check_flag)("natural", natural),
+        check_flag("stability", stability),
+    )
     if clamping.free_spin != rod.clamping.free_spin:
         raise ValueError("`clamping` and `rod` must both leave the end's spin free, or neither")
     refusal = _refused(rod, clamping)
@@ -219,7 +223,7 @@ def twist_end(
     """
     steps, max_step = whole(0)("steps", steps), positive("max_step", max_step)
     rod, turns = instance("rod", rod, Equilibrium), finite("turns", turns)
-    stability = flag("stability", stability)
+    stability = check_flag("stability", stability)
     if rod.clamping.free_spin:
         raise ValueError("`rod` leaves the spin of its end free; turning it changes nothing")
     sign = math.copysign(1.0, turns)

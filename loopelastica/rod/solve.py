@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from loopelastica._checks import array, flag, instance
-from loopelastica.rod._arguments import check_torsion_ratio
+from loopelastica._checks import array, instance
+from loopelastica.rod._arguments import check_flag, check_torsion_ratio
 from loopelastica.rod._starts import (
     TOLERANCE,
     Deadline,
@@ -80,7 +80,7 @@ def solve(
     >>> print(rod.converged, round(rod.energy, 6), rod.residual < 1e-9)
     True 7.057888 True
     """
-    clamping, lowest = instance("clamping", clamping, Clamping), flag("lowest", lowest)
+    clamping, lowest = instance("clamping", clamping, Clamping), check_flag("lowest", lowest)
     torsion_ratio, tolerance = check_torsion_ratio(torsion_ratio), check_tolerance(tolerance)
     deadline = Deadline(time_limit_s)
     stretched = straight(clamping, torsion_ratio)
