@@ -155,10 +155,8 @@ def continue_clamping(
     """
     rod, clamping = instance("rod", rod, Equilibrium), instance("clamping", clamping, Clamping)
     steps, max_step = whole(0)("steps", steps), positive("max_step", max_step)
-    natural, stability = (
-        optional(check_flag)("natural", natural),
-        check_flag("stability", stability),
-    )
+    natural = optional(check_flag)("natural", natural)
+    stability = check_flag("stability", stability)
     if clamping.free_spin != rod.clamping.free_spin:
         raise ValueError("`clamping` and `rod` must both leave the end's spin free, or neither")
     refusal = _refused(rod, clamping)
