@@ -27,6 +27,11 @@ NOTE: Final = ".loopelastica"
 """Marks a folder that the program is writing: a lock, and the names of the files that are its own
 while there is no manifest."""
 
+_NOT_OURS = (
+    "not written by this program, and a result needs its name; move it away, or choose another"
+    " folder"
+)
+
 NO_UTF8 = "backslashreplace"
 r"""How a file name that is no UTF-8 is written: \udcff for a byte, in JSON too."""
 
@@ -187,8 +192,7 @@ def _move(part: Path, path: Path, manifest: str) -> None:
             place = path / name
             free = not os.path.lexists(place) or (name in former and not _is_folder(place))
             if not free and not _is_same(part / name, place):
-                sentence = "not written by this program, and a result needs its name"
-                raise _taken(place, f"{sentence}; move it away, or choose another folder")
+                raise _taken(place, _NOT_OURS)
         note = part / f"{NOTE}.json"
         write_json(note, {"program": PROGRAM, "files": sorted(former | new)})
         note.replace(path / NOTE)
@@ -254,6 +258,16 @@ def _is_file_name(name: object) -> bool:
 
 def _taken(path: Path, sentence: str) -> FileExistsError:
     return TakenError(errno.EEXIST, sentence, str(path))
+
+
+def refuse_other(path: Path, begin: bytes) -> None:
+    """TakenError where a file is there that has content and does not begin like our own."""
+    if not path.is_file():
+        return
+    with path.open("rb") as file:
+        head = file.read(len(begin))
+    if head not in (b"", begin):
+        raise _taken(path, _NOT_OURS)
 
 
 def _umask() -> int:

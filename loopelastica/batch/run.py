@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from loopelastica._files import NO_UTF8, cells, whole_file, write_csv, writing
+from loopelastica._files import NO_UTF8, cells, refuse_other, whole_file, write_csv, writing
 from loopelastica._names import printable, safe_stem
 from loopelastica._version import __version__
 from loopelastica.batch.journal import Journal, Record
@@ -191,6 +191,26 @@ def tasks_of(sources: Iterable[str | Path], options: dict[str, Any], out: Path) 
     return tasks
 
 
+def check_tables(out: Path, name: str) -> None:
+    """Refuse to put the tables of a run in the place of files that are none.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the run.
+    name : str
+        Of its table.
+
+    Raises
+    ------
+    TakenError
+        If a file there does not begin as a table of this program does.
+    """
+    begins = {f"{name}.csv": b"file,", "failures.csv": b"file,failure", f"{name}.parquet": b"PAR1"}
+    for table, begin in begins.items():
+        refuse_other(out / table, begin)
+
+
 def run(
     work: Work,
     tasks: Sequence[Task],
@@ -257,6 +277,7 @@ class _Book:
         self.work, self.out, self.wording = work, out, wording
         self.table = out / f"{work.name}.csv"
         self.failures = out / "failures.csv"
+        check_tables(out, work.name)
         for table in (self.table, self.failures, self.table.with_suffix(".parquet")):
             # what a killed run has begun
             for begun in out.glob(f".{table.stem}.*{table.suffix}"):

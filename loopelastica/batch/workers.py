@@ -169,6 +169,10 @@ def attempt(function: Callable[[Any], Any], task: Any) -> Outcome:
         return Outcome(
             task, failure=f"{error.filename or task}: {error.strerror or error}", final=False
         )
+    except ValueError as error:
+        # of an argument that only this file shows to be wrong: the sentence says all
+        failure = f"{task}: {error}" if str(error).startswith("`") else _unforeseen(task, error)
+        return Outcome(task, failure=failure, final=False)
     # one file must not stop the others, whatever is wrong with it
     except Exception as error:
         return Outcome(task, failure=_unforeseen(task, error), final=False)

@@ -1,5 +1,6 @@
 """``loopelastica fold``: files to folders, one by one or on many processes."""
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -160,8 +161,9 @@ class _Results:
 def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Output) -> None:
     from tqdm import tqdm
 
+    from loopelastica._files import OutputError
     from loopelastica.batch.lock import alone_in
-    from loopelastica.batch.run import distinct
+    from loopelastica.batch.run import check_tables, distinct
     from loopelastica.batch.workers import attempt
     from loopelastica.report.folder import Folders
     from loopelastica.report.tables import console, fold_table
@@ -173,6 +175,7 @@ def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Out
         _fold_file(file, options, folders, results, output)
 
     with alone_in(out):
+        check_tables(out, "summary")
         try:
             for file in tqdm(files, disable=len(files) < 2, unit="file", leave=False):
                 outcome = attempt(fold_next, file)
@@ -186,6 +189,11 @@ def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Out
                 f"{results.n_done} of {len(files)} files are done; the same command folds all of"
                 " them again, with --jobs 1 it goes on where it was stopped"
             ) from None
+        except OutputError:
+            # the disk is full: the folders that are there keep their rows, if those still fit
+            with suppress(OutputError):
+                results.write(out)
+            raise
         results.write(out)
         results.notes += _of_earlier_runs(out, results.rows)
     console().print(fold_table(results.shown))

@@ -14,8 +14,9 @@ import io
 import os
 import re
 import sys
+from contextlib import redirect_stderr
 from contextvars import ContextVar
-from typing import Any, TextIO
+from typing import Any, TextIO, cast
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -82,11 +83,30 @@ class Program(TyperGroup):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors=_LEGIBLE)
         try:
-            return super().main(*args, **kwargs)
+            with redirect_stderr(cast(TextIO, _Diagnostics(sys.stderr))):
+                return super().main(*args, **kwargs)
         except OSError as error:
             # of printing a help text; those of a command end there
             _say_refused(error)
             sys.exit(1)
+
+
+class _Diagnostics:
+    """The standard error: sentences and bars are lost where it takes no more, not the work."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        """Write; from the first refusal on to nowhere, else Python fails at its end again."""
+        try:
+            return self._stream.write(text)
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
+            return len(text)
 
 
 def say(sentence: str) -> None:

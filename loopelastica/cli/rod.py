@@ -1,6 +1,7 @@
 """``loopelastica solve`` and ``warm``: the dimensionless rod by itself."""
 
 import json
+import math
 from typing import Annotated
 
 import typer
@@ -38,10 +39,11 @@ def solve(
         ratio = positive("torsion_ratio", 1.0 if torsion_ratio is None else torsion_ratio)
         energy_max = optional(positive)("energy_max", energy_max)
     try:
-        values = [float(v) for v in clamping.replace(",", " ").split()]
+        values = _parameters(clamping)
         rods = equilibria(Clamping.from_parameters(values, free_spin), ratio, energy_max)
     except ValueError as error:
-        raise typer.BadParameter(f"--clamping {clamping!r}: {error}") from None
+        sentence = str(error).removeprefix("`clamping` ")
+        raise typer.BadParameter(f"--clamping {clamping!r}: {sentence}") from None
     if as_json:
         found = {
             "energy_max": rods.energy_max,
@@ -55,6 +57,17 @@ def solve(
         console().print(equilibria_table(rods))
     if not rods:
         o.fail([f"--clamping {clamping!r}: no equilibrium found in {rods.starts} starts"])
+
+
+def _parameters(clamping: str) -> list[float]:
+    """The six numbers of a text."""
+    try:
+        values = [float(value) for value in clamping.replace(",", " ").split()]
+    except ValueError:
+        values = []
+    if len(values) != 6 or not all(map(math.isfinite, values)):
+        raise ValueError("it must be six finite numbers, η1 η2 η3 ψ θ φ")
+    return values
 
 
 def warm() -> None:

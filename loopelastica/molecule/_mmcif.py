@@ -91,7 +91,10 @@ def _read(path: Path, limits: Limits, gemmi: Any) -> tuple[Any, bytes]:
         if fault is not None:
             raise StructureError(f"{name_of(path)}: {fault}")
     del block
-    return flat, _first_model(structure, gemmi)
+    topology = _first_model(structure, gemmi)
+    if not topology.isascii():
+        raise StructureError(f"{name_of(path)}: {_no_ascii(text)}")
+    return flat, topology
 
 
 def _first_model(structure: Any, gemmi: Any) -> bytes:
@@ -105,6 +108,15 @@ def _first_model(structure: Any, gemmi: Any) -> bytes:
         loop.remove_column(f"_atom_site.{column}")
     text: str = document.as_string()
     return text.encode()
+
+
+def _no_ascii(text: bytes) -> str:
+    """Where an atom has a name that mmCIF has no signs for."""
+    rows = enumerate(text.splitlines(), 1)
+    atoms = (n for n, row in rows if row.startswith((b"ATOM", b"HETATM")) and not row.isascii())
+    line = next(atoms, None)
+    place = "an atom" if line is None else f"line {line}"
+    return f"{place} has a name with a sign that is no ASCII; mmCIF allows no other"
 
 
 def _text(path: Path, limits: Limits) -> bytes:

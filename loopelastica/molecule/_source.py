@@ -82,7 +82,8 @@ def name_of(path: Path) -> str:
 
 def first_line(error: BaseException) -> str:
     """Return what an exception says, as one clause."""
-    text = str(error).strip() or type(error).__name__
+    # MDAnalysis puts the cause behind its own words about parsers and temporary names
+    text = str(error).rpartition("\nError: ")[2].strip() or type(error).__name__
     return text.splitlines()[0].strip().rstrip(".:")[:160]
 
 

@@ -24,7 +24,10 @@ def structure_files(folder: Path) -> list[Path]:
     """
     found = sorted(p for p in folder.glob("*") if _is_structure(p)) if folder.is_dir() else []
     if not found:
-        raise ValueError(f"`folder` {folder} holds no PDB or mmCIF file")
+        why = (
+            "" if folder.is_dir() else ": it is a file" if folder.exists() else ": it is not there"
+        )
+        raise ValueError(f"`folder` {folder} holds no PDB or mmCIF file{why}")
     return found
 
 

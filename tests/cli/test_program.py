@@ -1,6 +1,7 @@
 """Errors, interrupts and odd terminals: a sentence and an exit status, never a traceback."""
 
 import csv
+import errno
 import os
 import resource
 import shutil
@@ -36,7 +37,8 @@ def program(*arguments, env=None, **options):
     return subprocess.run(
         [sys.executable, "-m", "loopelastica", *words],
         cwd=options.pop("cwd", ROOT), env={**os.environ, "PYTHONPATH": str(ROOT), **(env or {})},
-        stdout=options.pop("stdout", subprocess.PIPE), stderr=subprocess.PIPE, timeout=300,
+        stdout=options.pop("stdout", subprocess.PIPE),
+        stderr=options.pop("stderr", subprocess.PIPE), timeout=300,
         **options,
     )  # fmt: skip
 
@@ -251,7 +253,11 @@ ALONE = ("hairpins", "absent.pdb")
         ((*CLAMPING, "--torsion-ratio", "-1"), "--torsion-ratio is -1.0"),
         ((*CLAMPING, "--energy-max", "nan"), "--energy-max is nan"),
         (("evaluate", ".", "--jobs", "2", "--scheduler", "tcp://a:1"), "--jobs goes without"),
-        (("evaluate", "absent"), "FOLDER absent holds no PDB or mmCIF file"),
+        (("evaluate", "absent"), "FOLDER absent holds no PDB or mmCIF file: it is not there"),
+        (("evaluate", HAIRPIN), "holds no PDB or mmCIF file: it is a file"),
+        (("solve", "--clamping", "1 2 3"), "--clamping '1 2 3': it must be six finite numbers"),
+        (("solve", "--clamping", "0 0 nan 0 0 0"), "it must be six finite numbers"),
+        (("solve", "--clamping", "0 0 5 0 0 0"), "0 0 0': has its ends 5 rod lengths apart"),
         (("bench", "atoms", "absent"), "FOLDER absent holds no PDB or mmCIF file"),
         (("bench", "paper", "--full", "--sample", "3"), "--sample goes without --full"),
         (("bench", "paper", "--full", "--own-full"), "--own-full goes without --full"),
@@ -274,6 +280,71 @@ def test_a_chain_that_is_not_there_is_answered_with_those_that_are():
         result = run("hairpins", HAIRPIN, option, text)
         assert result.exit_code == 1
         said(result, fragments=["there is no nucleotide X.5, the chains are A", option])
+
+
+@pytest.mark.parametrize("jobs", [(), ("--jobs", "1")])
+def test_a_pair_that_the_file_shows_to_be_wrong_is_told_the_form(small, tmp_path, jobs):
+    result = run("fold", small, "-o", tmp_path / "out", "--pair", "A5-A10", *FAST, *jobs)
+    assert result.exit_code == 1
+    (row,) = table(tmp_path / "out" / "failures.csv")
+    assert row["failure"] == (f"{small}: --pair is 'A5-A10'; with chains it is written A.5-A.10")
+
+
+@pytest.mark.parametrize("jobs", [(), ("--jobs", "1")])
+@pytest.mark.parametrize("name", ["summary.csv", "failures.csv", "summary.parquet"])
+def test_a_table_of_somebody_else_is_left_alone(small, tmp_path, name, jobs):
+    theirs = tmp_path / name
+    theirs.write_text("name,dose\nx,1\n")
+    result = run("fold", small, "-o", tmp_path, *FAST, *jobs)
+    assert result.exit_code == 1
+    said(result, fragments=[theirs, "not written by this program"])
+    assert os.listdir(tmp_path) == [name]
+    assert theirs.read_text() == "name,dose\nx,1\n"
+    theirs.write_bytes(b"")
+    assert run("fold", small, "-o", tmp_path, *FAST, *jobs).exit_code == 0
+
+
+def test_evaluate_leaves_a_table_of_somebody_else_alone(small, tmp_path):
+    (tmp_path / "loops.csv").write_text("name,dose\n")
+    result = run("evaluate", small.parent, "-o", tmp_path)
+    assert result.exit_code == 1
+    said(result, fragments=[tmp_path / "loops.csv", "not written by this program"])
+    assert os.listdir(tmp_path) == ["loops.csv"]
+
+
+def test_a_full_disk_leaves_the_rows_of_what_is_done(small, tmp_path, monkeypatch):
+    from loopelastica._files import OutputError
+    from loopelastica.report import folder
+
+    write = folder.write_fold
+
+    def full_for_b(path, *arguments):
+        if path.name.startswith("b_"):
+            raise OutputError(errno.ENOSPC, "No space left on device", str(path))
+        return write(path, *arguments)
+
+    for name in ("a.pdb", "b.pdb"):
+        shutil.copy(small, tmp_path / name)
+    monkeypatch.setattr(folder, "write_fold", full_for_b)
+    out = tmp_path / "out"
+    result = run("fold", tmp_path / "a.pdb", tmp_path / "b.pdb", "-o", out, *FAST)
+    assert result.exit_code == 1
+    said(result, fragments=[out / "b_A6-9", "No space left on device"])
+    rows = table(out / "summary.csv")
+    assert {row["file"] for row in rows} == {str(tmp_path / "a.pdb")}
+    assert table(out / "failures.csv") == []
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+def test_the_work_is_done_where_the_standard_error_takes_nothing(small, tmp_path):
+    shutil.copy(small, tmp_path / "a.pdb")
+    files = (tmp_path / "a.pdb", tmp_path / "absent.pdb")
+    with Path("/dev/full").open("w") as full:
+        result = program("fold", *files, "-o", tmp_path / "out", *FAST, stderr=full)
+    assert result.returncode == 1
+    assert {row["file"] for row in table(tmp_path / "out" / "summary.csv")} == {str(files[0])}
+    (row,) = table(tmp_path / "out" / "failures.csv")
+    assert row["file"] == str(files[1])
 
 
 def test_arguments_become_options_where_the_command_has_them():

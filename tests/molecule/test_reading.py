@@ -416,3 +416,13 @@ def test_the_file_whose_first_record_mdanalysis_cannot_place(hairpins_folder):
     structure = read_structure(hairpins_folder / "1wts_unequal_models.pdb.gz")
     assert "".join(structure.nucleotides.letter) == "GGACC"
     assert np.isfinite(structure.positions(0)).all()
+
+
+def test_a_name_in_an_mmcif_file_that_is_no_ascii_is_told_with_its_line(tmp_path, write_cif):
+    pytest.importorskip("gemmi")
+    path = write_cif(tmp_path / "x.cif", "é")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    first = next(n for n, line in enumerate(lines, 1) if "é" in line)
+    assert fault_of(path) == (
+        f"{path}: line {first} has a name with a sign that is no ASCII; mmCIF allows no other"
+    )
