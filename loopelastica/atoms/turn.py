@@ -233,7 +233,9 @@ def _about_line(local: Array, omega_deg: Array) -> Array:
 def _plane(rings: Array) -> tuple[Array, Array]:
     centre = rings.mean(axis=-2)
     normal = np.cross(rings[..., 0, :] - rings[..., 2, :], rings[..., 1, :] - rings[..., 3, :])
-    return centre, normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+    # a ring whose atoms are one point has no plane, and nothing stacks on it
+    size = np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
+    return centre, normal / size
 
 
 def _clash(a: Array, b: Array) -> Array:

@@ -52,14 +52,15 @@ def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     >>> print(table.loc[0, "sequence"], round(table.loc[0, "rmsd_A"], 2))
     CUUCGG 2.12
     """
-    if isinstance(results, Iterable):
-        rows = _fold_rows(results)
-    elif callable(getattr(results, "records", None)):
+    if callable(getattr(results, "records", None)):
         rows = results.records()
     else:
-        raise ValueError(
-            f"`results` is {shown(results)}; it must be what fold gives, or an analysis"
-        )
+        try:
+            rows = _fold_rows(iter(results))
+        except TypeError:
+            raise ValueError(
+                f"`results` is {shown(results)}; it must be what fold gives, or an analysis"
+            ) from None
     table: DataFrame = _pandas().DataFrame(list(rows))
     return table
 

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.measures import chi_torsion, torsion_deg
 from loopelastica.atoms.site import site_of
-from loopelastica.atoms.turn import _clash, _stacking, place, turned
+from loopelastica.atoms.turn import _clash, _plane, _stacking, place, turned
 from loopelastica.molecule.strands import ideal_strand
 
 
@@ -77,3 +77,11 @@ def test_clashes_and_stacking_are_counted_as_said(rng):
     beside = _stacking((np.zeros((1, 3)), up), (np.array([[7.0, 0.0, 0.0]]), up))
     assert stacked[0, 0] == pytest.approx(-2.0)
     assert abs(beside[0, 0]) < 1e-6
+
+
+@pytest.mark.filterwarnings("error")
+def test_nothing_stacks_on_a_ring_that_has_no_plane(rng):
+    centre, normal = _plane(np.stack([np.ones((6, 3)), rng.normal(size=(6, 3))]))
+    np.testing.assert_array_equal(normal[0], 0.0)
+    assert np.linalg.norm(normal[1]) == pytest.approx(1.0)
+    np.testing.assert_array_equal(centre[0], 1.0)

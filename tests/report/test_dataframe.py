@@ -3,6 +3,7 @@
 import csv
 import sys
 
+import numpy as np
 import pytest
 
 import loopelastica as le
@@ -50,7 +51,7 @@ def test_without_pandas_the_extra_is_named(folds, monkeypatch):
         le.to_dataframe(folds)
 
 
-@pytest.mark.parametrize("results", [1.0, None, "abc", [1], object()])
+@pytest.mark.parametrize("results", [1.0, None, "abc", [1], object(), np.array(5.0)])
 def test_what_is_no_result_is_refused(results):
     with pytest.raises(ValueError, match="`results`"):
         le.to_dataframe(results)
