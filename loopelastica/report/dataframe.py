@@ -52,15 +52,14 @@ def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     >>> print(table.loc[0, "sequence"], round(table.loc[0, "rmsd_A"], 2))
     CUUCGG 2.12
     """
-    if callable(getattr(results, "records", None)):
-        rows = results.records()
-    else:
-        try:
-            rows = _fold_rows(iter(results))
-        except TypeError:
-            raise ValueError(
-                f"`results` is {shown(results)}; it must be what fold gives, or an analysis"
-            ) from None
+    given: Any = results
+    try:
+        own = callable(getattr(given, "records", None))
+        rows = given.records() if own else _fold_rows(iter(given))
+    except TypeError:
+        raise ValueError(
+            f"`results` is {shown(given)}; it must be what fold gives, or an analysis"
+        ) from None
     table: DataFrame = _pandas().DataFrame(list(rows))
     return table
 
