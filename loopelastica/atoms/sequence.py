@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica._checks import shown
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.folding.fold import fold_model
 from loopelastica.folding.options import FoldOptions
@@ -49,7 +50,7 @@ def read_sequence(text: str, is_dna: bool) -> tuple[str, str, str]:
     found = re.fullmatch(r"\s*([A-Za-z]+)\(([A-Za-z]+)\)([A-Za-z]+)\s*", text)
     if found is None:
         raise ValueError(
-            f"`sequence` is {text!r}; it must be two strands with the loop in brackets between"
+            f"`sequence` is {shown(text)}; it must be two strands with the loop in brackets between"
             ' them, such as "GGCAC(UUCG)GUGCC"'
         )
     strand_5, loop, strand_3 = (part.upper() for part in found.groups())

@@ -28,6 +28,7 @@ from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
 from loopelastica._arrays import Array, Record
+from loopelastica._checks import shown
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.fibre import fibre_nucleotide, in_line_frame
 from loopelastica.atoms.measures import chi_torsion, torsion_deg
@@ -88,7 +89,7 @@ class Turns:
 def check_contact(contact: str | None) -> None:
     """Raise ValueError unless `contact` is None or one that can be sought."""
     if contact is not None and not (isinstance(contact, str) and contact in CONTACTS):
-        raise ValueError(f"`contact` is {contact!r}; it must be one of {', '.join(CONTACTS)}")
+        raise ValueError(f"`contact` is {shown(contact)}; it must be one of {', '.join(CONTACTS)}")
 
 
 def turned(

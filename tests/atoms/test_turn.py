@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.measures import chi_torsion, torsion_deg
 from loopelastica.atoms.site import site_of
-from loopelastica.atoms.turn import _clash, _plane, _stacking, place, turned
+from loopelastica.atoms.turn import _clash, _plane, _stacking, check_contact, place, turned
 from loopelastica.molecule.strands import ideal_strand
 
 
@@ -85,3 +85,9 @@ def test_nothing_stacks_on_a_ring_that_has_no_plane(rng):
     np.testing.assert_array_equal(normal[0], 0.0)
     assert np.linalg.norm(normal[1]) == pytest.approx(1.0)
     np.testing.assert_array_equal(centre[0], 1.0)
+
+
+@pytest.mark.parametrize("odd", [np.ones((3, 3)), "a\nb", 5, []])
+def test_an_odd_contact_is_named_in_one_line(odd):
+    with pytest.raises(ValueError, match=r"^`contact` is .* watson-crick$"):
+        check_contact(odd)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, read_only
+from loopelastica._checks import shown
 from loopelastica.rod._arguments import check_loads
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.paper.solver import ERRORS, FORWARD
@@ -90,9 +91,9 @@ def continue_angle(
     from loopelastica.rod.paper import newton as algorithms
 
     if which not in _ANGLES:
-        raise ValueError(f"`which` is {which!r}; it must be one of {sorted(_ANGLES)}")
+        raise ValueError(f"`which` is {shown(which)}; it must be one of {sorted(_ANGLES)}")
     if error not in ERRORS:
-        raise ValueError(f"`error` is {error!r}; it must be one of {sorted(ERRORS)}")
+        raise ValueError(f"`error` is {shown(error)}; it must be one of {sorted(ERRORS)}")
     if clamping.free_spin:
         raise ValueError("`clamping` has a free end spin; the paper's method clamps it")
     current = check_loads(loads)

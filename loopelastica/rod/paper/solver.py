@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from loopelastica._arrays import Array
-from loopelastica._checks import positive
+from loopelastica._checks import positive, shown
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.paper import grid as _grid
 from loopelastica.rod.paper.solutions import (
@@ -97,7 +97,7 @@ class PaperSolver:
         for name, choices in (("error", ERRORS), ("scan", ERRORS), ("forward", FORWARD)):
             given = getattr(self, name)
             if given not in choices:
-                raise ValueError(f"`{name}` is {given!r}; it must be one of {sorted(choices)}")
+                raise ValueError(f"`{name}` is {shown(given)}; it must be one of {sorted(choices)}")
         for name in ("l", "delta", "torsion_ratio", "tolerance"):
             object.__setattr__(self, name, positive(name, getattr(self, name)))
 
