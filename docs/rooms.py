@@ -49,6 +49,7 @@ ABOUT = {
     "rod.equilibrium": "one solution",
     "rod.parameters": "closed form",
     "rod.writhe": "writhe, winding",
+    "rod._contact": "near to itself",
     "rod._library": "guess library",
     "rod.clamping": "what is solved",
     "rod.kernels": "compiled code",

@@ -4,14 +4,13 @@ An ideal rod has no thickness. Where two of its pieces meet, its winding is betw
 where they nearly meet, a polygon has to follow both closely to be on the right side.
 """
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
-
-if TYPE_CHECKING:
-    from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.clamping import Clamping
 
 # pieces nearer than this, in rod lengths, are one: what a center line is accurate to
 _CONTACT = 1e-8
@@ -22,7 +21,19 @@ _CLOSER = np.geomspace(1e-6, 2e-3, 12)
 _STEPS = 20
 
 
-def winding_points(rod: "Equilibrium") -> Array | None:
+class _Rod(Protocol):
+    """What is asked of an equilibrium."""
+
+    @property
+    def clamping(self) -> Clamping: ...
+    @property
+    def loads(self) -> Array: ...
+    def centerline(self, n: int | ArrayLike) -> Array: ...
+    def frames(self, n: int | ArrayLike) -> Array: ...
+    def curvature(self, n: int | ArrayLike) -> Array: ...
+
+
+def winding_points(rod: _Rod) -> Array | None:
     """Arc lengths of a polygon that winds as the rod does.
 
     Parameters
@@ -52,7 +63,7 @@ def winding_points(rod: "Equilibrium") -> Array | None:
     return np.asarray(s[np.concatenate([[True], apart])]) if len(closer) > 1 else s
 
 
-def _near_pairs(rod: "Equilibrium", s: Array) -> list[tuple[float, float]]:
+def _near_pairs(rod: _Rod, s: Array) -> list[tuple[float, float]]:
     """Pairs of arc lengths where a point of the rod is as near to another as to its neighbors."""
     points = rod.centerline(s)
     gap = np.linalg.norm(points[:, None] - points[None], axis=2)
@@ -71,7 +82,7 @@ def _near_pairs(rod: "Equilibrium", s: Array) -> list[tuple[float, float]]:
     return [(float(s[i]), float(s[j])) for i, j in pairs]
 
 
-def _nearest(rod: "Equilibrium", a: float, b: float) -> tuple[float, float, float]:
+def _nearest(rod: _Rod, a: float, b: float) -> tuple[float, float, float]:
     """The places nearest to each other about ``a`` and ``b``, and their distance."""
 
     def look(a: float, b: float) -> tuple[Array, Array]:
