@@ -128,7 +128,8 @@ def array(name: str, value: Any) -> NDArray[np.float64]:
         found = np.array(value)
     except (TypeError, ValueError, OverflowError):  # rows of unequal length
         found = np.array(None)
-    if found.dtype.kind not in "iuf" or np.ma.is_masked(value):
+    masked = isinstance(value, np.ma.MaskedArray) or np.ma.is_masked(value)
+    if found.dtype.kind not in "iuf" or masked:
         raise ValueError(f"`{name}` is {shown(value)}; it must be an array of numbers")
     return np.array(found, dtype=np.float64, order="C")
 

@@ -57,6 +57,7 @@ def test_numbers_of_any_library_are_taken():
     [
         *(None, "x", b"1", object, {}, [True], [[1.0], [1.0, 2.0]], [1j], [10**400], ["1"]),
         *(np.array([1.0 + 0j]), np.ma.masked_array([1.0, 2.0], [False, True]), np.ma.masked),
+        np.ma.masked_array([1.0, 2.0]),
         np.array(["2020"], dtype="datetime64[Y]"),
     ],
     ids=lambda v: repr(v)[:20],
@@ -72,7 +73,6 @@ def test_arrays_come_as_copies():
     taken = array("x", given)
     taken[0] = 7.0
     assert (given[0], taken.dtype) == (0, np.float64)
-    assert array("x", np.ma.masked_array([1.0], [False])).tolist() == [1.0]
 
 
 class Unspeakable:
