@@ -90,7 +90,7 @@ def test_arguments_are_refused_by_name(koc, fold, name, value):
 
 
 def test_only_a_fold_gets_atoms(koc):
-    with pytest.raises(ValueError, match="`fold` is a str; it must be a LoopFold"):
+    with pytest.raises(ValueError, match="`fold` is 'fold'; it must be one of the loops"):
         le.build_atoms(koc, "fold")
 
 

@@ -21,4 +21,4 @@ def test_calls_end_as_documented():
 
 @pytest.mark.slow
 def test_many_calls_end_as_documented():
-    assert undocumented(2, range(3000)) == []
+    assert undocumented(2, range(1500)) == []
