@@ -8,11 +8,16 @@ from loopelastica._checks import array, flag, positive, shown
 
 # points of a rod; their frames then take 7 GB
 _MOST = 100_000_000
+# beyond, moments leave the range of floating point
+_EXTREME = 1e100
 
 
 def check_torsion_ratio(torsion_ratio: float) -> float:
-    """K30 as a float; ValueError unless it is positive and finite."""
-    return positive("torsion_ratio", torsion_ratio)
+    """K30 as a float; ValueError unless it is positive and finite, its inverse too."""
+    ratio = positive("torsion_ratio", torsion_ratio)
+    if not 1.0 / _EXTREME <= ratio <= _EXTREME:
+        raise ValueError(f"`torsion_ratio` is {ratio}; it must be from 1e-100 to 1e+100")
+    return ratio
 
 
 def check_flag(name: str, value: bool) -> bool:

@@ -9,7 +9,7 @@ import loopelastica as le
 from loopelastica.rod._arguments import arc_lengths, check_loads, check_torsion_ratio
 
 
-@pytest.mark.parametrize("value", [0.0, -1.0, math.inf, math.nan])
+@pytest.mark.parametrize("value", [0.0, -1.0, math.inf, math.nan, 1e-308, 1e300])
 def test_a_torsion_ratio_is_positive_and_finite(value):
     with pytest.raises(ValueError, match="`torsion_ratio` is"):
         check_torsion_ratio(value)
