@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from loopelastica._files import NO_UTF8, cells, refuse_other, whole_file, write_csv, writing
+from loopelastica._files import NO_UTF8, NOTE, cells, refuse_other, whole_file, write_csv, writing
 from loopelastica._names import printable, safe_stem
 from loopelastica._version import __version__
 from loopelastica.batch.journal import Journal, Record
@@ -278,9 +278,9 @@ class _Book:
         self.table = out / f"{work.name}.csv"
         self.failures = out / "failures.csv"
         check_tables(out, work.name)
-        for table in (self.table, self.failures, self.table.with_suffix(".parquet")):
-            # what a killed run has begun
-            for begun in out.glob(f".{table.stem}.*{table.suffix}"):
+        for suffix in (".csv", ".parquet"):
+            # tables that a killed run has begun
+            for begun in out.glob(f"{NOTE}-*{suffix}"):
                 begun.unlink(missing_ok=True)
         self.journal = Journal(out / f".{work.name}.journal")
         self.tasks = {task.key: task for task in tasks}

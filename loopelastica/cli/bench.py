@@ -1,6 +1,7 @@
 """``loopelastica bench``: the solvers and the atoms measured, a command for each study."""
 
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -16,11 +17,14 @@ _Out = Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.
 _Seed = Annotated[int, typer.Option(help="Seed of the random rods and poses.", min=0)]
 
 
-def _alone_in(out: Path) -> AbstractContextManager[None]:
-    """Keep other runs out of the folder; it is made first, since a study takes minutes."""
+@contextmanager
+def _study(out: Path) -> Iterator[None]:
+    """Make the folder before the study, keep other runs out of it, and say where it is."""
     from loopelastica.batch.lock import alone_in
 
-    return alone_in(out)
+    with alone_in(out):
+        yield
+    tell(f"written to {out}")
 
 
 @bench.command("paper", cls=Command)
@@ -42,7 +46,7 @@ def bench_paper(
     )
     from loopelastica.studies.bench.paper import run
 
-    with _alone_in(out):
+    with _study(out):
         run(
             out,
             full=full,
@@ -50,7 +54,6 @@ def bench_paper(
             progress=True,
             own_full=own_full,
         )
-    tell(f"written to {out}")
 
 
 @bench.command("atoms", cls=Command)
@@ -67,10 +70,9 @@ def bench_atoms(
 
     with o.usage():
         structure_files(folder)  # before a folder is made
-    with _alone_in(out):
+    with _study(out):
         for line in run(folder, out, sample=sample, progress=True).splitlines():
             tell(line)
-    tell(f"written to {out}")
 
 
 @bench.command("stability", cls=Command)
@@ -82,9 +84,8 @@ def bench_stability(
     """Solve stiff, extreme and degenerate clampings; judge each result independently."""
     from loopelastica.studies.bench.stability import run
 
-    with _alone_in(out):
+    with _study(out):
         run(out, full=full, seed=seed, progress=True)
-    tell(f"written to {out}")
 
 
 @bench.command("accuracy", cls=Command)
@@ -96,9 +97,8 @@ def bench_accuracy(
     """Compare error and run time with the paper's method and SciPy's, on the same targets."""
     from loopelastica.studies.bench.accuracy import run
 
-    with _alone_in(out):
+    with _study(out):
         run(out, full=full, seed=seed, progress=True)
-    tell(f"written to {out}")
 
 
 @bench.command("scaling", cls=Command)
@@ -110,6 +110,5 @@ def bench_scaling(
     """Measure time and memory over the number of rods, threads, length and equilibria."""
     from loopelastica.studies.bench.scaling import run
 
-    with _alone_in(out):
+    with _study(out):
         run(out, full=full, seed=seed, progress=True)
-    tell(f"written to {out}")

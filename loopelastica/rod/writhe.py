@@ -48,6 +48,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
+from loopelastica._checks import array
 from loopelastica.rod.kernels import polygon
 
 __all__ = ["net_winding", "polar_writhe", "twist", "writhe"]
@@ -57,10 +58,10 @@ _ONE = 1e-9
 
 
 def _rows(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
-    array = np.array(values, dtype=np.float64, order="C")
-    if array.shape[1:] != shape or array.shape[0] < 2 or not np.isfinite(array).all():
+    rows = array(name, values)
+    if rows.ndim == 0 or rows.shape[1:] != shape or len(rows) < 2 or not np.isfinite(rows).all():
         raise ValueError(f"`{name}` must be finite, of shape (n,) + {shape} with n at least 2")
-    return array
+    return rows
 
 
 def _axes(direction: ArrayLike) -> Array:

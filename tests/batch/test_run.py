@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from loopelastica._files import data_path
 from loopelastica.batch.folds import FOLDS
-from loopelastica.batch.run import distinct, run, tasks_of
+from loopelastica.batch.run import _Book, distinct, run, tasks_of
 from loopelastica.cli.app import app
 from loopelastica.folding.options import FoldOptions
 
@@ -257,3 +257,13 @@ def test_the_table_is_there_as_parquet_too(undisturbed):
     pytest.importorskip("pyarrow")
     table = pandas.read_parquet(undisturbed / "summary.parquet")
     assert len(table) == len(pandas.read_csv(undisturbed / "summary.csv"))
+
+
+def test_only_tables_that_a_killed_run_began_are_cleared_away(tmp_path):
+    theirs = tmp_path / ".summary.mine.csv"
+    begun = [tmp_path / ".loopelastica-x1.csv", tmp_path / ".loopelastica-x2.parquet"]
+    for path in (theirs, *begun):
+        path.write_text("file\n")
+    _Book(FOLDS, [], tmp_path, str)
+    assert theirs.exists()
+    assert not any(path.exists() for path in begun)
