@@ -291,10 +291,10 @@ def _fit(
     real = atom_positions(nucleotides, positions, BACKBONE)[rows].reshape(-1, 3)
     ideal = np.concatenate([strand_atoms(strand, step * k) for k in range(len(rows))])
     present = np.isfinite(real).all(axis=1)
-    return _superpose(ideal[present], real[present])
+    return superpose(ideal[present], real[present])
 
 
-def _superpose(ideal: Array, real: Array) -> tuple[Array, Array, float]:
+def superpose(ideal: Array, real: Array) -> tuple[Array, Array, float]:
     """Rotation, shift and misfit of the rigid motion of least squares (Kabsch), no reflection."""
     ideal_center, real_center = ideal.mean(axis=0), real.mean(axis=0)
     u, _, vt = np.linalg.svd((real - real_center).T @ (ideal - ideal_center))
