@@ -38,12 +38,28 @@ _O = TypeVar("_O")
 _R = TypeVar("_R")
 
 
-def _option(default: Any, check: Check) -> Any:
+def option(default: Any, check: Check) -> Any:
+    """A field of a class of options, with its default and what checks and converts a value."""
     return field(default=default, metadata={"check": check})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LoopOptions:
+class Options:
+    """Base of all options: what every value goes through, and its way into a file and back."""
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = item.metadata["check"](item.name, getattr(self, item.name))
+            object.__setattr__(self, item.name, value)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Names and values, JSON-ready; the constructor takes them back."""
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
+        return {name: list(v) if isinstance(v, tuple) else v for name, v in values.items()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopOptions(Options):
     """Which loops are folded, and as what rod.
 
     Attributes
@@ -68,21 +84,16 @@ class LoopOptions:
         How large a file may be: megabytes after decompression, atoms of a model.
     """
 
-    free_spin: bool = _option(True, flag)
-    torsion_ratio: float = _option(1.0, positive)
-    length_per_nucleotide_A: float | None = _option(None, optional(positive))
-    persistence_length_A: float = _option(PERSISTENCE_LENGTH_A, positive)
-    irregular: bool = _option(False, flag)
-    pair: str | Sequence[str] = _option((), places)
-    dot_bracket: str | None = _option(None, optional(brackets))
-    loop: str | Sequence[str] = _option((), places)
-    max_size_MB: float = _option(MAX_SIZE_MB, positive)
-    max_atoms: int = _option(MAX_ATOMS, whole(1))
-
-    def __post_init__(self) -> None:
-        for item in fields(self):
-            value = item.metadata["check"](item.name, getattr(self, item.name))
-            object.__setattr__(self, item.name, value)
+    free_spin: bool = option(True, flag)
+    torsion_ratio: float = option(1.0, positive)
+    length_per_nucleotide_A: float | None = option(None, optional(positive))
+    persistence_length_A: float = option(PERSISTENCE_LENGTH_A, positive)
+    irregular: bool = option(False, flag)
+    pair: str | Sequence[str] = option((), places)
+    dot_bracket: str | None = option(None, optional(brackets))
+    loop: str | Sequence[str] = option((), places)
+    max_size_MB: float = option(MAX_SIZE_MB, positive)
+    max_atoms: int = option(MAX_ATOMS, whole(1))
 
     @property
     def selection(self) -> dict[str, Any]:
@@ -93,11 +104,6 @@ class LoopOptions:
     def limits(self) -> Limits:
         """How large a file may be."""
         return Limits(self.max_size_MB, self.max_atoms)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Names and values, JSON-ready; the constructor takes them back."""
-        values = {item.name: getattr(self, item.name) for item in fields(self)}
-        return {name: list(v) if isinstance(v, tuple) else v for name, v in values.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,12 +127,12 @@ class FoldOptions(LoopOptions):
         Fold each model of a file with its own clamp and compare it with its own loop.
     """
 
-    stem_extend_5: int | None = _option(None, optional(whole(0)))
-    stem_extend_3: int | None = _option(None, optional(whole(0)))
-    taper: float | None = _option(None, optional(between(0.0, TAPER_MAX)))
-    energy_max: float | None = _option(None, optional(positive))
-    max_candidates: int = _option(10, whole(1))
-    all_models: bool = _option(True, flag)
+    stem_extend_5: int | None = option(None, optional(whole(0)))
+    stem_extend_3: int | None = option(None, optional(whole(0)))
+    taper: float | None = option(None, optional(between(0.0, TAPER_MAX)))
+    energy_max: float | None = option(None, optional(positive))
+    max_candidates: int = option(10, whole(1))
+    all_models: bool = option(True, flag)
 
     @property
     def clamp(self) -> dict[str, Any]:
@@ -148,9 +154,9 @@ class ScanOptions(LoopOptions):
         Tapers of the 3' strand, each 0 to 0.3.
     """
 
-    extend_5_max: int = _option(2, whole(0))
-    extend_3_max: int = _option(3, whole(0))
-    tapers: Sequence[float] = _option((0.0, RNA_TAPER), numbers(0.0, TAPER_MAX))
+    extend_5_max: int = option(2, whole(0))
+    extend_3_max: int = option(3, whole(0))
+    tapers: Sequence[float] = option((0.0, RNA_TAPER), numbers(0.0, TAPER_MAX))
 
 
 def keywords(
@@ -204,7 +210,7 @@ def show_options(function: Any, options: Any, without: Collection[str] = ()) -> 
         entries = [
             entry
             for base in reversed(options.__mro__[:-1])
-            for entry in re.split(r"\n(?=\S)", inspect.cleandoc(base.__doc__))
+            for entry in re.split(r"\n(?=\S)", inspect.cleandoc(base.__doc__ or ""))
             if " : " in entry and not {*entry.split(" : ")[0].split(", ")} <= {*without}
         ]
         text = "\n".join(entries).replace("\n", "\n    ")

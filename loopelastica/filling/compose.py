@@ -1,0 +1,142 @@
+"""The changes that a filling makes in its file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+from loopelastica._files import PROGRAM
+from loopelastica._version import __version__
+from loopelastica.report.compose import AddedResidue, Changes, Composed, Removed, compose
+
+if TYPE_CHECKING:
+    from loopelastica.atoms.strand import BuiltResidue, StrandModel
+    from loopelastica.filling.result import Filling
+
+OCCUPANCY: Final = 0.01
+"""Marks what was modelled: not zero, which means that nothing is known."""
+B_MAX_A2: Final = 999.0
+COMPLETED_A: Final = 1.0
+"""Error to expect of atoms that a nucleotide lacked."""
+
+
+def b_factor(rmsd_A: float) -> float:
+    """B factor (Å²) of an error: 8π²/3 of its square, up to what the PDB format holds.
+
+    >>> f"{b_factor(2.0):.1f}"
+    '105.3'
+    """
+    return min(8.0 * math.pi**2 / 3.0 * rmsd_A**2, B_MAX_A2)
+
+
+def composed(filling: Filling, rank: int = 1) -> Composed:
+    """The text of the filled structure, and its format.
+
+    Parameters
+    ----------
+    filling : Filling
+        What was filled.
+    rank : int
+        Which candidate of each strand; the last one where a strand has fewer.
+
+    Returns
+    -------
+    Composed
+    """
+    changes = changes_of(filling, rank)
+    return compose(filling.entry.text, filling.entry.kind, changes)
+
+
+def changes_of(filling: Filling, rank: int = 1) -> Changes:
+    """What is added and left out in the file.
+
+    Parameters
+    ----------
+    filling : Filling
+        What was filled.
+    rank : int
+        As for :func:`composed`.
+
+    Returns
+    -------
+    Changes
+    """
+    added: list[AddedResidue] = []
+    removed: list[Removed] = []
+    for strand in filling.filled:
+        candidate = strand.candidates[min(rank, len(strand.candidates)) - 1]
+        model, index = candidate.atoms, strand.model - 1
+        added += _added(model, index, b_factor(float(candidate.expected_rmsd_A[1])))
+        removed += (
+            Removed(index, m.chain, m.number, m.icode, m.resname) for m in model.gap.replaces
+        )
+        removed += candidate.waters
+    for completion in filling.completions:
+        added += _added(completion.atoms, completion.model - 1, b_factor(COMPLETED_A))
+        removed += completion.waters
+    return Changes(
+        added=tuple(added),
+        removed=tuple(dict.fromkeys(removed)),
+        notes=tuple(_notes(filling, rank)),
+        software=(PROGRAM, __version__),
+    )
+
+
+def _added(model: StrandModel, index: int, b: float) -> Iterator[AddedResidue]:
+    """The built atoms of a strand, nucleotide by nucleotide."""
+    gap = model.gap
+    chain = [gap.before, *gap.monomers, gap.after]
+    before = {id(monomer): other for other, monomer in zip(chain, chain[1:], strict=False)}
+    for residue in model.residues:
+        monomer = residue.monomer
+        other = before.get(id(monomer))
+        yield AddedResidue(
+            model=index,
+            chain=monomer.chain,
+            number=monomer.number,
+            icode=monomer.icode,
+            resname=name_of(residue),
+            after=None if other is None else (other.chain, other.number, other.icode),
+            names=residue.names,
+            elements=residue.elements,
+            positions_A=residue.positions_A,
+            occupancy=OCCUPANCY,
+            b_factor_A2=b,
+            record=monomer.record,
+        )
+
+
+def name_of(residue: BuiltResidue) -> str:
+    """What a nucleotide with built atoms is called: the parent's name where that was built."""
+    monomer = residue.monomer
+    renamed = not monomer.atoms_A and residue.kind.renamed
+    return residue.kind.standard if renamed else monomer.resname
+
+
+def _notes(filling: Filling, rank: int) -> Iterator[str]:
+    """What the file says of itself."""
+    source = filling.entry.name
+    yield (
+        f"{PROGRAM} {__version__} modelled the atoms of occupancy {OCCUPANCY:.2f}. Their B factor"
+        " is 8 pi^2/3 of the expected error squared."
+    )
+    digest = filling.sha256
+    yield f"Input: {source}" + (f", SHA-256 {digest}" if digest else "")
+    many = len({strand.model for strand in filling.strands}) > 1
+    for strand in filling.strands:
+        model = f"model {strand.model}: " if many else ""
+        if strand.status == "refused":
+            yield f"{model}{strand.name} {strand.sequence}: not filled"
+            continue
+        candidate = strand.candidates[min(rank, len(strand.candidates)) - 1]
+        low, middle, high = candidate.expected_rmsd_A
+        sound = "sound" if candidate.sound else "not sound"
+        yield (
+            f"{model}{strand.name} {strand.sequence}: candidate {candidate.rank} of"
+            f" {len(strand.candidates)}, {candidate.line.shape}, {sound}, expected error"
+            f" {middle:.1f} A (80 % between {low:.1f} and {high:.1f})"
+        )
+    if filling.completed:
+        yield f"Missing atoms were added to {', '.join(filling.completed)}"
+    yield from filling.repaired

@@ -1,0 +1,211 @@
+"""What a filling writes: one folder per file, complete or absent, or a structure file alone."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from loopelastica._files import PROGRAM, read_manifest, whole_folder, write_json, write_text
+from loopelastica._names import printable, safe_stem
+from loopelastica._version import __version__
+from loopelastica.filling.compose import composed, name_of
+from loopelastica.filling.result import FilledCandidate, FilledStrand, Filling
+
+MANIFEST: Final = "fill.json"
+_SUFFIX: Final = {"pdb": ".pdb", "mmcif": ".cif"}
+_KEY: Final = ("version", "sha256", "parameters")
+"""Entries of the manifest that determine all else."""
+
+
+def folder_of(root: Path, source: Path, number: int = 1) -> Path:
+    """The folder of a file: its name without suffixes; numbered from the second of a name on.
+
+    Parameters
+    ----------
+    root : Path
+        Folder of all results.
+    source : Path
+        The file.
+    number : int
+        1, 2 … for files of one name.
+
+    Returns
+    -------
+    Path
+    """
+    return root / (safe_stem(source) + (f"_{number}" if number > 1 else ""))
+
+
+def write_filling(path: Path, filling: Filling) -> Path:
+    """Write a filled structure into a file (by its suffix), else its folder.
+
+    Parameters
+    ----------
+    path : Path
+        Where to.
+    filling : Filling
+        What was filled.
+
+    Returns
+    -------
+    Path
+        What was written.
+    """
+    if path.suffix.lower() in (".pdb", ".ent", ".cif", ".mmcif"):
+        text, kind = composed(filling)
+        write_text(path, text)
+        return path
+    write_folder(path, filling)
+    return path
+
+
+def write_folder(path: Path, filling: Filling) -> dict[str, Any]:
+    """Write the folder of a filling: filled.cif or filled.pdb, further candidates, fill.json.
+
+    A structure is written where anything was filled, completed or repaired.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    filling : Filling
+        What was filled.
+
+    Returns
+    -------
+    dict
+        The key of the folder, for :func:`is_there`.
+
+    Raises
+    ------
+    FileExistsError
+        If the folder cannot be written without harm to what is there.
+    """
+    with whole_folder(path, MANIFEST) as part:
+        files = [MANIFEST]
+        changed = bool(filling.filled or filling.completions)
+        most = max((len(strand.candidates) for strand in filling.filled), default=1)
+        for rank in range(1, most + 1) if changed else ():
+            text, kind = composed(filling, rank)
+            name = ("filled" if rank == 1 else f"filled_{rank}") + _SUFFIX[kind]
+            write_text(part / name, text)
+            files.append(name)
+        content = {**record_of(filling), "files": sorted(files)}
+        write_json(part / MANIFEST, content)
+    return {name: content[name] for name in _KEY}
+
+
+def is_there(path: Path, key: Mapping[str, Any]) -> bool:
+    """Whether a folder holds the whole result of one input and one set of options.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    key : mapping
+        As `write_folder` has returned it.
+
+    Returns
+    -------
+    bool
+    """
+    manifest = read_manifest(path / MANIFEST)
+    return (
+        bool(manifest)
+        and all(manifest.get(name) == value for name, value in key.items())
+        and all(os.path.lexists(path / name) for name in manifest["files"])
+    )
+
+
+def record_of(filling: Filling) -> dict[str, Any]:
+    """The content of fill.json, without its list of files.
+
+    Parameters
+    ----------
+    filling : Filling
+        What was filled.
+
+    Returns
+    -------
+    dict
+        JSON-ready; lengths in Å.
+    """
+    return {
+        "program": PROGRAM,
+        "version": __version__,
+        "input": printable(filling.name),
+        "sha256": filling.sha256,
+        "parameters": filling.options.to_dict(),
+        "strands": [strand_record(strand) for strand in filling.strands],
+        "completed": list(filling.completed),
+        "repaired": list(filling.repaired),
+        "remarks": list(filling.remarks),
+    }
+
+
+def strand_record(strand: FilledStrand) -> dict[str, Any]:
+    """What fill.json has of a strand.
+
+    Parameters
+    ----------
+    strand : FilledStrand
+        One gap of one model.
+
+    Returns
+    -------
+    dict
+        JSON-ready; lengths in Å.
+    """
+    expected = strand.expected_rmsd_A
+    return {
+        "model": strand.model,
+        "chain": strand.chain,
+        "first": strand.first,
+        "last": strand.last,
+        "sequence": strand.sequence,
+        "kind": strand.kind,
+        "nucleotides": strand.nucleotides,
+        "status": strand.status,
+        "reason": strand.reason,
+        "sound": strand.sound,
+        "expected_rmsd_A": None if expected is None else _rounded(expected),
+        "distance_A": strand.distance_A,
+        "length_A": strand.length_A,
+        "crowding": strand.crowding,
+        "remarks": list(strand.remarks),
+        "candidates": [_candidate_record(candidate) for candidate in strand.candidates],
+    }
+
+
+def _candidate_record(candidate: FilledCandidate) -> dict[str, Any]:
+    line, checks = candidate.line, candidate.atoms.checks
+    return {
+        "rank": candidate.rank,
+        "shape": line.shape,
+        "energy_per_A": line.energy_per_A,
+        "contact_energy_per_A": line.contact_energy_per_A,
+        "stable": line.rod.stable,
+        "residual": line.rod.residual,
+        "nearest_A": line.nearest_A,
+        "nearest_atom": line.nearest_atom,
+        "expected_rmsd_A": _rounded(candidate.expected_rmsd_A),
+        "sound": checks.sound,
+        "not_sound_because": list(checks.wrong),
+        "worst_bond_A": checks.worst_bond_A,
+        "worst_angle_deg": checks.worst_angle_deg,
+        "closest_contact_A": checks.closest_contact_A,
+        "wrong_chirality": list(checks.wrong_chirality),
+        "status": checks.status,
+        "nucleotides": [name_of(residue) for residue in candidate.atoms.residues],
+        "waters_left_out": [
+            f"{water.chain}.{water.resname}{water.number}{water.icode}"
+            for water in candidate.waters
+        ],
+        "trace_A": [_rounded(point, 3) for point in candidate.trace],
+    }
+
+
+def _rounded(values: Any, digits: int = 2) -> list[float]:
+    return [round(float(value), digits) for value in values]

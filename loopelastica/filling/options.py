@@ -1,0 +1,42 @@
+"""Options of :func:`loopelastica.fill`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from loopelastica._checks import flag, positive, whole
+from loopelastica.folding.options import Options, option
+from loopelastica.molecule._source import MAX_ATOMS, MAX_SIZE_MB, Limits
+from loopelastica.molecule.gaps import strand_texts
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FillOptions(Options):
+    """What is filled, and how often.
+
+    Attributes
+    ----------
+    strands : str or list of str, optional
+        Strands by their first and last nucleotide, "A.6-9", with their sequence where the file has
+        none or another one is wanted, "A.6-9=UUCG". One that is there is built anew. Default: all
+        internal gaps, with the file's sequence of record.
+    repair : bool
+        Build anew what is broken: bonds over 2 Å in the chain, wrong hands, clashes inside a
+        strand. Otherwise no existing atom moves.
+    candidates : int
+        Most models of each strand, 1 or more; the first is the one that is expected to be nearest.
+    max_size_MB, max_atoms : float, int
+        How large a file may be: megabytes after decompression, atoms of a model.
+    """
+
+    strands: str | Sequence[str] | None = option(None, strand_texts)
+    repair: bool = option(False, flag)
+    candidates: int = option(1, whole(1))
+    max_size_MB: float = option(MAX_SIZE_MB, positive)
+    max_atoms: int = option(MAX_ATOMS, whole(1))
+
+    @property
+    def limits(self) -> Limits:
+        """How large a file may be."""
+        return Limits(self.max_size_MB, self.max_atoms)

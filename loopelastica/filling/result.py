@@ -1,0 +1,253 @@
+"""What becomes of a structure's gaps: models, or the reasons why there are none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from loopelastica._arrays import Array, Record
+from loopelastica._checks import whole
+from loopelastica._files import sha256
+from loopelastica.folding.line import StrandLine
+
+if TYPE_CHECKING:
+    from loopelastica.atoms.strand import StrandModel
+    from loopelastica.filling.options import FillOptions
+    from loopelastica.molecule.entry import Entry
+    from loopelastica.report.compose import Removed
+
+Status = Literal["filled", "refused"]
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class FilledCandidate(Record):
+    """One model of a strand.
+
+    Attributes
+    ----------
+    rank : int
+        1 for the one that is expected to be nearest.
+    line : StrandLine
+        The line it was built on: energy, contacts, nearest atom.
+    atoms : StrandModel
+        Its atoms and what was measured on them.
+    expected_rmsd_A : (3,) array
+        10, 50 and 90 % of the error to expect of its backbone centroids.
+    waters : tuple of Removed
+        Waters that are nearer than 2.5 Å and give way.
+    """
+
+    rank: int
+    line: StrandLine
+    atoms: StrandModel
+    expected_rmsd_A: Array
+    waters: tuple[Removed, ...] = ()
+
+    @property
+    def sound(self) -> bool:
+        """Whether its chemistry is right: see :class:`loopelastica.atoms.checks.Checks`."""
+        return self.atoms.checks.sound
+
+    @property
+    def trace(self) -> Array:
+        """Line point (n, 3) of each nucleotide in the coordinates of the file, Å."""
+        return self.line.trace
+
+    def __repr__(self) -> str:
+        sound = "sound" if self.sound else "not sound"
+        return f"<FilledCandidate {self.rank}: {self.line.shape}, {sound}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class FilledStrand(Record):
+    """One gap of one model, and what became of it.
+
+    Attributes
+    ----------
+    chain : str
+        The author's name of the chain.
+    first, last : str
+        The author's numbers of the first and the last nucleotide, with insertion codes.
+    sequence : str
+        Parent bases, 5' to 3'; "" where it is unknown.
+    status : {"filled", "refused"}
+    reason : str or None
+        Why it was refused, in one sentence.
+    candidates : tuple of FilledCandidate
+        Best first.
+    model : int
+        Model of the file, from 1.
+    kind : str
+        "RNA", "DNA", "DNA/RNA"; "" where it was refused.
+    distance_A, length_A : float or None
+        Of the ends of the line, and of the line.
+    crowding : float or None
+        Atoms within 10 Å of the chord, per nucleotide.
+    remarks : tuple of str
+        One sentence for each thing that a user should be aware of.
+    nucleotides : int
+        How many are missing.
+    """
+
+    chain: str
+    first: str
+    last: str
+    sequence: str
+    status: Status
+    reason: str | None = None
+    candidates: tuple[FilledCandidate, ...] = ()
+    model: int = 1
+    kind: str = ""
+    distance_A: float | None = None
+    length_A: float | None = None
+    crowding: float | None = None
+    remarks: tuple[str, ...] = ()
+    nucleotides: int = 0
+
+    @property
+    def name(self) -> str:
+        """Name such as "A.6-9"."""
+        numbers = self.first if self.first == self.last else f"{self.first}-{self.last}"
+        return f"{self.chain}.{numbers}" if self.chain else numbers
+
+    @property
+    def sound(self) -> bool | None:
+        """Whether the first candidate is sound; None where there is none."""
+        return self.candidates[0].sound if self.candidates else None
+
+    @property
+    def expected_rmsd_A(self) -> Array | None:
+        """Of the first candidate; None where there is none."""
+        return self.candidates[0].expected_rmsd_A if self.candidates else None
+
+    @property
+    def outcome(self) -> str:
+        """What became of it, in a few words."""
+        if self.expected_rmsd_A is None:
+            return f"refused, {self.reason}"
+        sound = "sound" if self.sound else "not sound"
+        return f"{sound}, {self.expected_rmsd_A[1]:.1f} Å to expect"
+
+    def __repr__(self) -> str:
+        return f"<FilledStrand {self.name} {self.sequence}: {self.outcome}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Completion(Record):
+    """A nucleotide beside no gap that got its missing atoms, in one model (from 1)."""
+
+    model: int
+    atoms: StrandModel
+    waters: tuple[Removed, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Filling(Record):
+    """A structure with its gaps filled.
+
+    Attributes
+    ----------
+    name : str
+        File name, or "universe".
+    strands : tuple of FilledStrand
+        In the order of the file; of several models one after the other.
+    options : FillOptions
+        Every option that was in force.
+    completed : tuple of str
+        Nucleotides that were there in part and got their missing atoms.
+    repaired : tuple of str
+        One sentence for each stretch that was built anew, with what was wrong.
+    remarks : tuple of str
+        One sentence for each thing that a user should be aware of; missing ends among them.
+    entry : Entry
+        What was read.
+    completions : tuple of Completion
+        The models of what was completed.
+    """
+
+    name: str
+    strands: tuple[FilledStrand, ...]
+    options: FillOptions
+    completed: tuple[str, ...]
+    repaired: tuple[str, ...]
+    remarks: tuple[str, ...]
+    entry: Entry = field(repr=False)
+    completions: tuple[Completion, ...] = field(repr=False, default=())
+
+    @property
+    def filled(self) -> tuple[FilledStrand, ...]:
+        """The strands that were filled."""
+        return tuple(strand for strand in self.strands if strand.status == "filled")
+
+    @property
+    def failures(self) -> Iterator[str]:
+        """One sentence for each strand that was refused, in each model."""
+        many = len({strand.model for strand in self.strands}) > 1
+        for strand in self.strands:
+            if strand.reason is not None:
+                yield f"model {strand.model}: {strand.reason}" if many else strand.reason
+
+    @property
+    def sha256(self) -> str | None:
+        """Digest of the input file; None where there was none."""
+        return None if self.entry.path is None else sha256(self.entry.path)
+
+    def text(self, rank: int = 1) -> str:
+        """The filled structure in the format of the input, mmCIF where PDB does not hold it.
+
+        Parameters
+        ----------
+        rank : int
+            Which candidate of each strand; the last one where a strand has fewer.
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        ValueError
+            If `rank` is not 1 or more.
+        """
+        from loopelastica.filling.compose import composed
+
+        return composed(self, whole(1)("rank", rank)).text
+
+    def write(self, path: str | Path) -> Path:
+        """Write the filled structure: into a file, or with tables into a folder.
+
+        Parameters
+        ----------
+        path : str or Path
+            A name that ends in .pdb, .ent, .cif or .mmcif is a file; anything else is a folder,
+            which gets filled.cif or filled.pdb, further candidates, and fill.json.
+
+        Returns
+        -------
+        Path
+            What was written.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written.
+        """
+        from loopelastica.filling.folder import write_filling
+
+        return write_filling(Path(path), self)
+
+    def __repr__(self) -> str:
+        refused = len(self.strands) - len(self.filled)
+        return f"<Filling of {self.name}: {len(self.filled)} strands filled, {refused} refused>"
+
+    def _repr_html_(self) -> str:
+        """A table of the strands, for notebooks."""
+        head = "".join(f"<th>{h}</th>" for h in ("strand", "sequence", "what became of it"))
+        rows = ((s.name, s.sequence, s.outcome) for s in self.strands)
+        body = "".join(
+            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows
+        )
+        return f"<table><caption>{escape(self.name)}</caption><tr>{head}</tr>{body}</table>"
