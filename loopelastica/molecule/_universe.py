@@ -47,7 +47,8 @@ def text_of(source: Any) -> tuple[str, str]:
 
 def _structure(atoms: Any) -> Any:
     structure, model = gemmi.Structure(), gemmi.Model(1)
-    positions = np.asarray(atoms.positions, dtype=np.float64)
+    # single precision has no more decimals than these
+    positions = np.round(np.asarray(atoms.positions, dtype=np.float64), 3)
     names, chains = strings(atoms, "names"), chains_of(atoms)
     elements, altlocs = strings(atoms, "elements"), strings(atoms, "altLocs")
     occupancies = np.asarray(getattr(atoms, "occupancies", np.ones(len(atoms))), dtype=float)
@@ -77,6 +78,7 @@ def _structure(atoms: Any) -> Any:
         atom.occ, atom.b_iso = occupancies[k], b_factors[k]
         residue.add_atom(atom)
     structure.add_model(model)
+    structure.name = "universe"
     return structure
 
 

@@ -96,6 +96,8 @@ class Gap(Record):
         Whether the sequence is the user's, not the file's.
     remarks : tuple of str
         One sentence for each thing that a user should be aware of.
+    replaces : tuple of Monomer
+        What is there now and is given up for it, where a user asks for a strand that exists.
     """
 
     monomers: tuple[Monomer, ...]
@@ -105,6 +107,7 @@ class Gap(Record):
     beyond_3: Monomer | None = None
     given: bool = False
     remarks: tuple[str, ...] = ()
+    replaces: tuple[Monomer, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of nucleotides to be built."""

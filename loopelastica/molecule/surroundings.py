@@ -47,8 +47,8 @@ def heavy_atoms(entry: Entry, model: int = 0) -> HeavyAtoms:
     residue, water, metal = [], [], []
     for chain in entry.model(model):
         for one in taken(chain):
-            seqid = one.residue.seqid
-            icode = f"^{seqid.icode}" if seqid.has_icode() else ""
+            number, code = one.place
+            icode = f"^{code}" if code else ""
             prefix = f"{chain.name}." if chain.name else ""
             is_water = one.residue.is_water() or one.residue.name in _WATERS
             for atom in one.atoms:
@@ -59,7 +59,7 @@ def heavy_atoms(entry: Entry, model: int = 0) -> HeavyAtoms:
                 residue.append(len(labels))
                 water.append(is_water)
                 metal.append(element.is_metal)
-            labels.append(f"{prefix}{one.residue.name}{seqid.num}{icode}")
+            labels.append(f"{prefix}{one.residue.name}{number}{icode}")
     return HeavyAtoms(
         positions_A=read_only(np.array(positions).reshape(-1, 3)),
         element=np.array(elements, dtype=np.str_),
