@@ -56,7 +56,9 @@ def _structure(atoms: Any) -> Any:
     records = strings(atoms, "record_types")
     resnames, icodes = strings(atoms, "resnames"), strings(atoms, "icodes")
     resids, resindices = np.asarray(atoms.resids), np.asarray(atoms.resindices)
-    chain = residue = last = None
+    chain: Any = None
+    residue: Any = None
+    last = None
     for k in range(len(atoms)):
         if chain is None or chain.name != chains[k]:
             chain, last = gemmi.Chain(chains[k]), None

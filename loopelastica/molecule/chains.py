@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -61,6 +62,11 @@ def bond_A(first: Monomer, second: Monomer) -> float:
     return float(np.linalg.norm(first.atoms_A["O3'"] - second.atoms_A["P"]))
 
 
+def bonded(first: Monomer, second: Monomer) -> bool:
+    """Whether O3' of a nucleotide and P of the next are as near as a bond may be."""
+    return bond_A(first, second) <= LINK_MAX_A
+
+
 def joined(first: Monomer, second: Monomer) -> bool:
     """Whether a bond joins a nucleotide to the next; without O3' or P by C4' and the numbers."""
     bond = bond_A(first, second)
@@ -94,10 +100,12 @@ def chains_of(entry: Entry, model: int = 0) -> list[Chain]:
     for part, chain in enumerate(entry.model(model)):
         for one in taken(chain):
             used.setdefault(chain.name, set()).add(one.place)
-            if not one.is_nucleotide:
-                continue
-            subchain = one.residue.subchain
+            subchain, listed = one.residue.subchain, records.by_author.get(chain.name)
             label = subchain if subchain in records.by_label else None
+            # whatever the record lists is part of the chain, however its atoms are called
+            known = label is not None or (listed and one.residue.name in listed.names)
+            if not known and not one.is_nucleotide:
+                continue
             rows.setdefault((chain.name, label), []).append(_Row(one, part))
     found = []
     for (name, label), group in rows.items():
@@ -123,23 +131,21 @@ def _in_chain(group: list[_Row], record: Record | None, records: Records) -> lis
 
     Modified nucleotides that a file lists behind its chains are put where their bonds are.
     """
-    names = {name for one in record.residues for name in one.names} if record else set()
+    names = record.names if record else frozenset()
     plain: list[Taken] = []
     apart: list[Taken] = []
     for k, (one, part) in enumerate(group):
         hetero = one.residue.het_flag == "H"
         beside = [group[j].one for j in (k - 1, k + 1) if 0 <= j < len(group)]
-        if not hetero or any(_bonded(one, other) for other in beside):
-            plain.append(one)
-        elif part == group[0].part and (
-            one.residue.name in names or one.residue.name in records.parents
-        ):
+        listed = one.residue.name in names or one.residue.name in records.parents
+        beside_it = any(_touch(one, other) for other in beside)
+        if not hetero or beside_it or (listed and part == group[0].part):
             plain.append(one)
         else:
             apart.append(one)
     for one in apart:
         for k, other in enumerate(plain):
-            if _bonded(one, other):
+            if _touch(one, other):
                 plain.insert(k if _bond(one, other) <= LINK_MAX_A else k + 1, one)
                 break
     return plain
@@ -151,7 +157,7 @@ def _bond(first: Taken, second: Taken) -> float:
     return float("inf") if o3 is None or p is None else float(o3.dist(p))
 
 
-def _bonded(one: Taken, other: Taken) -> bool:
+def _touch(one: Taken, other: Taken) -> bool:
     return min(_bond(one, other), _bond(other, one)) <= LINK_MAX_A
 
 
@@ -201,18 +207,17 @@ def _unlabelled(
     if record is None:
         return Chain(name, tuple(there), "", "", used, remarks)
     between = [
-        _listed_between(absent, a, b) if absent else _between(a, b)
-        for a, b in zip(there, there[1:], strict=False)
+        _listed_between(absent, a, b) if absent else _between(a, b) for a, b in pairwise(there)
     ]
     before = there[0].number - 1
     if absent:
         before = sum((one.number, one.icode) < _key(there[0]) for one in absent)
-    bonds = [bond_A(a, b) <= LINK_MAX_A for a, b in zip(there, there[1:], strict=False)]
+    bonds = [bonded(a, b) for a, b in pairwise(there)]
     found = align(there, record.residues, bonds, between, before if before >= 0 else None)
     if found is None:
         fault = (
-            f"{called(name)}: {record.source} lists {len(record.residues)} nucleotides where the file"
-            f" has {len(there)}, so the two contradict each other"
+            f"{called(name)}: {record.source} lists {len(record.residues)} nucleotides where the"
+            f" file has {len(there)}, so the two contradict each other"
         )
         return Chain(name, tuple(there), "", fault, used, remarks)
     return _placed(name, there, found, record, absent, used, remarks)
@@ -220,8 +225,8 @@ def _unlabelled(
 
 def _two_chains(name: str) -> str:
     return (
-        f"two chains are named {name or repr(name)}, or numbers repeat in it, so its nucleotides cannot be told"
-        " apart; give each chain a name of its own"
+        f"two chains are named {name or repr(name)}, or numbers repeat in it, so its nucleotides"
+        " cannot be told apart; give each chain a name of its own"
     )
 
 
@@ -246,7 +251,7 @@ def _key(one: Monomer) -> Place:
 
 
 def _increasing(there: Sequence[Monomer]) -> bool:
-    return all(_key(a) < _key(b) for a, b in zip(there, there[1:], strict=False))
+    return all(_key(a) < _key(b) for a, b in pairwise(there))
 
 
 def _between(first: Monomer, second: Monomer) -> int:
@@ -354,7 +359,7 @@ def _dna_by_name(there: Sequence[Monomer]) -> dict[str, bool]:
     short = [one for one in there if one.resname in ("A", "C", "G", "U", "T")]
     if not short or not all(one.is_dna for one in short):
         return {}
-    return {letter: True for letter in ("A", "C", "G", "T")}
+    return dict.fromkeys("ACGT", True)
 
 
 # --- what is to be said ---------------------------------------------------------------------------

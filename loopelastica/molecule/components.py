@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import gemmi
@@ -72,6 +73,7 @@ class Component(NamedTuple):
     is_dna: bool | None
 
 
+@lru_cache(maxsize=4096)
 def component(resname: str) -> Component | None:
     """What a residue name means; None where it is no known nucleotide.
 

@@ -1,7 +1,8 @@
 """One alternative location of everything: residues and atoms of a model as all others see them.
 
-Of alternative locations the one of highest mean occupancy in its residue is taken, the first by
-letter among equals; of two residues that share one place, the one of higher occupancy.
+Of alternative locations the one of highest mean occupancy is taken, in a row of residues that have
+them the same one, the first by letter among equals; of two residues that share one place, the one
+of higher occupancy.
 """
 
 from __future__ import annotations
@@ -60,46 +61,87 @@ class Taken:
 
 def taken(chain: Any) -> Iterator[Taken]:
     """Residues of a chain of gemmi in the order of the file, one at each place."""
-    for _, group in groupby(chain, key=lambda residue: str(residue.seqid)):
-        residues = list(group)
-        for rivals in _rivals(residues):
-            ranked = sorted(rivals, key=_occupancy, reverse=True)
-            names = tuple(other.name for other in ranked[1:])
-            atoms, altloc = _one_location(ranked[0])
-            yield Taken(ranked[0], atoms, altloc, names)
+    places = [_rivals(list(group)) for _, group in groupby(chain, key=_seqid)]
+    for run in _runs([rivals for place in places for rivals in place]):
+        mean = _means(run)
+        for rivals in run:
+            if len(rivals) == 1:
+                yield Taken(rivals[0].residue, *rivals[0].chosen(mean))
+                continue
+            ranked = sorted(rivals, key=lambda one: max(mean[x] for x in one.letters), reverse=True)
+            names = tuple(other.residue.name for other in ranked[1:])
+            yield Taken(ranked[0].residue, *ranked[0].chosen(mean), names)
 
 
-def _rivals(residues: list[Any]) -> list[list[Any]]:
-    """Put residues of one number together where they are alternatives of each other."""
-    if len(residues) > 1 and all(_alternative(residue) for residue in residues):
-        return [residues]
-    return [[residue] for residue in residues]
+@dataclass(slots=True, eq=False)
+class _Heavy:
+    """A residue with its heavy atoms, and its alternative locations by letter."""
+
+    residue: Any
+    atoms: list[Any]
+    letters: list[str]
+
+    def chosen(self, mean: dict[str, float]) -> tuple[list[Any], str]:
+        """Atoms of the location of highest occupancy; what it lacks from the next best one."""
+        if not self.letters:
+            return _once(self.atoms), ""
+        order = sorted(self.letters, key=lambda letter: -mean[letter])
+        rank = {letter: k for k, letter in enumerate([_NONE, *order])}
+        best = _once(sorted(self.atoms, key=lambda atom: rank[atom.altloc]))
+        kept = {id(atom) for atom in best}
+        return [atom for atom in self.atoms if id(atom) in kept], order[0]
 
 
-def _alternative(residue: Any) -> bool:
-    return all(atom.altloc != _NONE for atom in residue)
+def _seqid(residue: Any) -> tuple[int, str]:
+    seqid = residue.seqid
+    return seqid.num, seqid.icode
 
 
-def _occupancy(residue: Any) -> float:
-    # occupancies come in hundredths: rounding keeps a tie a tie
-    return round(float(np.mean([atom.occ for atom in residue])), 4)
-
-
-def _one_location(residue: Any) -> tuple[list[Any], str]:
+def _heavy(residue: Any) -> _Heavy:
     atoms = [atom for atom in residue if not is_hydrogen(atom)]
-    letters = sorted({atom.altloc for atom in atoms} - {_NONE})
-    if not letters:
-        return _once(atoms), ""
-    mean = {
-        letter: round(float(np.mean([a.occ for a in atoms if a.altloc == letter])), 4)
-        for letter in letters
-    }
-    chosen = max(letters, key=lambda letter: (mean[letter], -ord(letter)))
-    # an atom that the chosen location lacks is taken from the next best one
-    order = {_NONE: 0, chosen: 1}
-    found = sorted(atoms, key=lambda a: (order.get(a.altloc, 2), -mean.get(a.altloc, 1.0)))
-    kept = {id(atom) for atom in _once(found)}
-    return [atom for atom in atoms if id(atom) in kept], chosen
+    return _Heavy(residue, atoms, sorted({atom.altloc for atom in atoms} - {_NONE}))
+
+
+def _rivals(residues: list[Any]) -> list[list[_Heavy]]:
+    """Put residues of one number together where they are alternatives of each other."""
+    found = [one for residue in residues if (one := _heavy(residue)).atoms]
+    if len(found) > 1 and all(atom.altloc != _NONE for one in found for atom in one.atoms):
+        return [found]
+    return [[one] for one in found]
+
+
+def _runs(places: list[list[_Heavy]]) -> Iterator[list[list[_Heavy]]]:
+    """Neighbours with alternative locations belong together: one location is taken in all."""
+    run: list[list[_Heavy]] = []
+    for rivals in places:
+        alone = rivals[0].residue.is_water() or not any(one.letters for one in rivals)
+        if run and (alone or not _neighbours(run[-1][0].residue, rivals[0].residue)):
+            yield run
+            run = []
+        if alone:
+            yield [rivals]
+        else:
+            run.append(rivals)
+    if run:
+        yield run
+
+
+def _neighbours(first: Any, second: Any) -> bool:
+    # across a gap too: what stands on both its sides must be of one location
+    in_chain = first.het_flag == second.het_flag == "A"
+    return in_chain or second.seqid.num - first.seqid.num <= 1
+
+
+def _means(run: list[list[_Heavy]]) -> dict[str, float]:
+    """Mean occupancy of each alternative location of a run, the first letter first."""
+    found: dict[str, list[float]] = {}
+    for rivals in run:
+        for one in rivals:
+            if one.letters:
+                for atom in one.atoms:
+                    found.setdefault(atom.altloc, []).append(atom.occ)
+    # occupancies come in hundredths: rounding keeps a tie a tie
+    return {letter: round(float(np.mean(found[letter])), 4) for letter in sorted(found)}
 
 
 def _once(atoms: Sequence[Any]) -> list[Any]:
@@ -112,9 +154,10 @@ def _once(atoms: Sequence[Any]) -> list[Any]:
 
 def is_hydrogen(atom: Any) -> bool:
     """Whether an atom is hydrogen, by its element or, where that is unknown, by its name."""
-    if atom.element.name != "X":
-        return bool(atom.is_hydrogen())
-    return atom.name.lstrip("0123456789")[:1] in ("H", "D")
+    if atom.is_hydrogen():
+        return True
+    first = atom.name.lstrip("0123456789")[:1]
+    return first in ("H", "D") and atom.element.name == "X"
 
 
 def monomer(chain: str, one: Taken, record: int | None = None, letter: str = "N") -> Monomer:

@@ -11,48 +11,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from loopelastica._arrays import Record
 from loopelastica.errors import StructureError
-from loopelastica.molecule.chains import Chain, bond_A, called, chains_of, joined
+from loopelastica.molecule.chains import Chain, bond_A, bonded, called, chains_of, joined
 from loopelastica.molecule.components import BASES, PHOSPHATE, expected_atoms, is_standard
 from loopelastica.molecule.entry import Entry
-from loopelastica.molecule.nucleotides import LINK_MAX_A, enumerated
-from loopelastica.molecule.numbering import NO_CODE
+from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.polymer import Gap, Monomer
-
-MOST_NUCLEOTIDES: Final = 30
-"""Longest gap that is filled. The longest of 150 gaps in 638 RNA entries have 22; how well lines are
-placed is known up to twelve."""
-STEP_REACH_A: Final = 7.0
-"""Most that a nucleotide spans, P to P: real strands have 5.0–6.4 Å of line each, and of 56 real
-gaps the five that are wider than this are no strands of the length that the record says."""
-REACH_ALLOWANCE_A: Final = 4.0
-"""Added to it: the O3'–P bond (1.6 Å), a flank without its last atom, coordinates that err."""
-
-
-class Refusal(NamedTuple):
-    """A gap that is not filled.
-
-    Attributes
-    ----------
-    chain : str
-    first, last : str
-        Numbers, with insertion codes, of its first and last nucleotide.
-    sequence : str
-        Parent bases, "N" where unknown.
-    reason : str
-        One sentence.
-    """
-
-    chain: str
-    first: str
-    last: str
-    sequence: str
-    reason: str
+from loopelastica.molecule.refusals import (
+    MOST_NUCLEOTIDES,
+    Refusal,
+    is_foreign,
+    reason_against,
+    refusal,
+)
 
 
 class Tail(NamedTuple):
@@ -157,9 +134,9 @@ def find_gaps(entry: Entry, model: int = 0, strands: Any = None) -> Gaps:
     gaps: list[Gap] = []
     refused: list[Refusal] = []
     for request in wanted:
-        gap, refusal = _judged(with_request(chains, request), "")
+        gap, refusals = _judged(with_request(chains, request), "")
         gaps += gap
-        refused += refusal
+        refused += refusals
     tails: list[Tail] = []
     incomplete: list[Incomplete] = []
     remarks: list[str] = []
@@ -203,11 +180,17 @@ class _Found:
             self._without_flanks(chain)
             return
         self._ends(chain, usable[0], usable[-1])
-        for i, j in zip(usable, usable[1:], strict=False):
-            if j - i > 1:
-                gap, refusal = _judged(gap_between(chain, i, j), chain.fault)
+        for i, j in pairwise(usable):
+            between = chain.slots[i + 1 : j]
+            if between and all(map(is_foreign, between)):
+                names = enumerated([one.label for one in between])
+                self.remarks.append(
+                    f"{names}: the backbone has atoms of other names; left as it is"
+                )
+            elif between:
+                gap, refusals = _judged(gap_between(chain, i, j), chain.fault)
                 self.gaps += gap
-                self.refused += refusal
+                self.refused += refusals
             else:
                 self._step(chain, chain.slots[i], chain.slots[j])
         if chain.fault and not self.refused:
@@ -215,9 +198,9 @@ class _Found:
 
     def _without_flanks(self, chain: Chain) -> None:
         reason = f"{called(chain.name)} has no nucleotide with C4' and four backbone atoms"
-        runs = [run for run in _runs(chain.slots) if 0 < run[0] and run[1] < len(chain.slots)]
+        runs = [run for run in _runs(chain.slots) if run[0] > 0 and run[1] < len(chain.slots)]
         for begin, end in runs:
-            self.refused.append(_refusal(chain.slots[begin:end], f"{reason} to end on"))
+            self.refused.append(refusal(chain.slots[begin:end], f"{reason} to end on"))
         self.remarks.append(f"{reason}, so nothing of it is filled")
 
     def _ends(self, chain: Chain, first: int, last: int) -> None:
@@ -234,7 +217,7 @@ class _Found:
                 self.tails.append(Tail(chain.name, side, *places))
             else:
                 self.refused.append(
-                    _refusal(
+                    refusal(
                         run,
                         f"{_name(run)}: no nucleotide on its {side} side has C4' and four backbone"
                         " atoms, so the strand has no end there",
@@ -303,15 +286,11 @@ def gap_between(chain: Chain, i: int, j: int, given: bool = False) -> Gap:
         monomers=monomers,
         before=before,
         after=after,
-        beyond_5=outwards[0] if outwards[0] and _bonded(outwards[0], before) else None,
-        beyond_3=outwards[1] if outwards[1] and _bonded(after, outwards[1]) else None,
+        beyond_5=outwards[0] if outwards[0] and bonded(outwards[0], before) else None,
+        beyond_3=outwards[1] if outwards[1] and bonded(after, outwards[1]) else None,
         given=given,
         remarks=tuple(remarks),
     )
-
-
-def _bonded(first: Monomer, second: Monomer) -> bool:
-    return bond_A(first, second) <= LINK_MAX_A
 
 
 def _listed(one: Monomer) -> str:
@@ -369,65 +348,9 @@ def _name(run: Sequence[Monomer]) -> str:
     return Gap(tuple(run), run[0], run[-1]).name
 
 
-def _refusal(run: Sequence[Monomer], reason: str) -> Refusal:
-    letters = "".join(one.letter for one in run)
-    return Refusal(run[0].chain, run[0].place, run[-1].place, letters, reason)
-
-
-# --- what is refused before anything is tried -----------------------------------------------------
-
-
 def _judged(gap: Gap, fault: str) -> tuple[list[Gap], list[Refusal]]:
     """Put a gap among those to be filled or those that are refused."""
-    reason = f"{gap.name}: {fault}" if fault else refusal_of(gap)
+    reason = f"{gap.name}: {fault}" if fault else reason_against(gap)
     if reason is None:
         return [gap], []
-    return [], [_refusal(gap.monomers, reason)]
-
-
-def refusal_of(gap: Gap) -> str | None:
-    """Why a gap cannot be filled, in a sentence; None where nothing speaks against it."""
-    n = len(gap)
-    if n > MOST_NUCLEOTIDES:
-        return f"{gap.name}: {n} nt are missing, and no more than {MOST_NUCLEOTIDES} are filled"
-    unknown = [one.label for one in gap.monomers if one.letter not in BASES]
-    if unknown:
-        return f"{gap.name}: the base of {enumerated(unknown)} is not known, so it cannot be built"
-    if any(one.icode == NO_CODE for one in gap.monomers):
-        return f"{gap.name}: no numbers and insertion codes are left for {n} nt"
-    distance = flank_distance_A(gap)
-    if _bonded(gap.before, gap.after):
-        return (
-            f"{gap.name}: {gap.before.label} and {gap.after.label} are bonded ({distance:.1f} Å),"
-            f" so {n} nt cannot lie between them"
-        )
-    return check_span(gap, distance)
-
-
-def flank_distance_A(gap: Gap) -> float:
-    """From the last backbone atom before a gap to the first one after it, Å: O3' to P."""
-    before = gap.before.backbone_A[::-1]
-    after = gap.after.backbone_A
-    ends = (rows[np.isfinite(rows).all(axis=1)][0] for rows in (before, after))
-    return float(np.linalg.norm(next(ends) - next(ends)))
-
-
-def check_span(gap: Gap, distance_A: float) -> str | None:
-    """Whether a gap can be spanned.
-
-    Parameters
-    ----------
-    gap : Gap
-    distance_A : float
-        Between its ends, O3' to P or about so.
-
-    Returns
-    -------
-    str or None
-        A sentence with both distances where it cannot; else None.
-    """
-    n = len(gap)
-    reach_A = STEP_REACH_A * n + REACH_ALLOWANCE_A
-    if distance_A <= reach_A:
-        return None
-    return f"{gap.name}: {n} nt cannot span {distance_A:.1f} Å: they reach {reach_A:.0f} Å"
+    return [], [refusal(gap.monomers, reason)]

@@ -23,6 +23,10 @@ _REMARK_465: Final = re.compile(
 _TOKEN: Final = re.compile(r"\(([^)]+)\)|([A-Za-z])")
 
 
+Rows = list[tuple[tuple[str, ...], int | None, str]]
+"""Names, number and insertion code of each residue."""
+
+
 class Listed(NamedTuple):
     """One residue of a sequence of record.
 
@@ -52,6 +56,11 @@ class Record(NamedTuple):
 
     residues: tuple[Listed, ...]
     source: str
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Components that occur in it."""
+        return frozenset(name for one in self.residues for name in one.names)
 
 
 class Absent(NamedTuple):
@@ -122,6 +131,10 @@ def records_of(entry: Entry, model: int = 0) -> Records:
     return Records(_nucleic(by_label), _nucleic(by_author), _unobserved(block, model), parents)
 
 
+def _listed(sequence: Sequence[str]) -> Rows:
+    return [(tuple(names.split(",")), None, "") for names in sequence]
+
+
 def _base(parent: str) -> str:
     known = component(parent)
     return known.letter if known and known.letter in BASES else ""
@@ -129,35 +142,29 @@ def _base(parent: str) -> str:
 
 def _nucleic(found: dict[str, Record]) -> dict[str, Record]:
     """Keep those that are nucleic acids, by half of their components."""
-    return {
-        name: record
-        for name, record in found.items()
-        if 2
-        * sum(component(one.names[0]) is not None or one.letter != "N" for one in record.residues)
-        >= max(1, len(record.residues))
-    }
+    return {name: record for name, record in found.items() if _is_nucleic(record.residues)}
 
 
-def _record(
-    rows: Sequence[tuple[tuple[str, ...], int | None, str]],
-    canonical: str,
-    parents: dict[str, str],
-    source: str,
-) -> Record:
+def _is_nucleic(residues: Sequence[Listed]) -> bool:
+    known = sum(component(one.names[0]) is not None for one in residues)
+    return 0 < known >= len(residues) / 2
+
+
+def _record(rows: Rows, canonical: str, parents: dict[str, str], source: str) -> Record:
     """A record of rows of names, number and insertion code.
 
     `canonical` has a letter per residue, or is of no use.
     """
-    useful = len(canonical) == len(rows)
     residues = []
-    for k, (names, number, icode) in enumerate(rows):
+    for names, number, icode in rows:
         known = component(names[0])
-        letter = parents.get(names[0], "N")
-        if known and known.letter != "N":
-            letter = known.letter
-        elif letter == "N" and useful and known and canonical[k].upper() in BASES:
-            letter = canonical[k].upper()
+        letter = known.letter if known and known.letter != "N" else parents.get(names[0], "N")
         residues.append(Listed(names, letter, known.is_dna if known else None, number, icode))
+    if len(canonical) == len(rows) and _is_nucleic(residues):
+        residues = [
+            one._replace(letter=code) if one.letter == "N" and code in BASES else one
+            for one, code in zip(residues, canonical.upper(), strict=True)
+        ]
     return Record(tuple(residues), source)
 
 
@@ -216,9 +223,6 @@ def _entities(block: Any, model: Any) -> tuple[dict[str, str], dict[str, list[st
         for entity, names in strands
         if entity and names
     }
-
-
-Rows = list[tuple[tuple[str, ...], int | None, str]]
 
 
 def _one_letter(block: Any) -> tuple[dict[str, str], dict[str, Rows]]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 from loopelastica._checks import shown, texts
@@ -199,7 +200,7 @@ def _chain(chains: Sequence[Chain], request: Request) -> tuple[Chain, Request]:
     if not found:
         raise StructureError(
             f"{request.where}: there is no chain {first.chain} of nucleotides; there is"
-            f" {enumerated(sorted(repr(name) if not name else name for name in names))}"
+            f" {enumerated(sorted(name or repr(name) for name in names))}"
         )
     if len(found) > 1:
         found = [chain for chain in found if _has(chain, request)] or found[:1]
@@ -254,7 +255,7 @@ def _monomers(
     if not sequence:
         gap_inside = any(
             not joined(a, b) and b.number - a.number > 1
-            for a, b in zip(old, old[1:], strict=False)
+            for a, b in pairwise(old)
             if not chain.source
         )
         if not complete or gap_inside:

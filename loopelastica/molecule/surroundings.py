@@ -43,8 +43,12 @@ def heavy_atoms(entry: Entry, model: int = 0) -> HeavyAtoms:
         If there is no such model.
     """
     positions: list[list[float]] = []
-    elements, names, labels = [], [], []
-    residue, water, metal = [], [], []
+    elements: list[str] = []
+    names: list[str] = []
+    labels: list[str] = []
+    residue: list[int] = []
+    water: list[bool] = []
+    metal: list[bool] = []
     for chain in entry.model(model):
         for one in taken(chain):
             number, code = one.place
@@ -136,7 +140,7 @@ def symmetry_mates(entry: Entry, around_points: ArrayLike, radius: float, model:
 
 def _method(structure: Any) -> str:
     info = structure.info
-    return info["_exptl.method"] if "_exptl.method" in info else ""
+    return str(info["_exptl.method"]) if "_exptl.method" in info else ""
 
 
 def _near(positions: Array, points: Array, radius: float) -> Array:
