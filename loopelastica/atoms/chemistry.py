@@ -13,19 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
 
-METHYLATED: Final[dict[str, tuple[tuple[str, str], ...]]] = {
-    # wwPDB residue name: (new atom, atom that carries it) each
-    "5MU": (("C5M", "C5"),),
-    "5MC": (("CM5", "C5"),),
-    "2MG": (("CM2", "N2"),),
-    "M2G": (("CM1", "N2"), ("CM2", "N2")),
-    "6MZ": (("C9", "N6"),),
-    "OMC": (("CM2", "O2'"),),
-    "OMG": (("CM2", "O2'"),),
-    "OMU": (("CM2", "O2'"),),
-    "A2M": (("CM'", "O2'"),),
-}
-"""Common modified nucleotides that are a parent with methyl groups; names of the wwPDB."""
+from loopelastica.molecule.components import METHYLATED
 
 _LONG_NAMES: Final = {"ADE": "A", "CYT": "C", "GUA": "G", "URA": "U", "THY": "T"}
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 import io
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from loopelastica.errors import MissingDependencyError, StructureError
+from loopelastica.errors import StructureError
 from loopelastica.molecule._frames import Frames, TableFrames, TrajectoryFrames, universe_with
 from loopelastica.molecule._matching import matched
 from loopelastica.molecule._source import Limits, first_line, name_of, pieces
@@ -29,6 +28,15 @@ _VALUE = re.compile(rb"'.*?'(?=\s|$)|\".*?\"(?=\s|$)|\S+")
 _PLACE = re.compile(r"^(?:data|string):(\d+)(?::\d+)?(?:\(\d+\))?(?=:| in )")
 
 
+class Parsed(NamedTuple):
+    """An mmCIF file that gemmi could read: document and block, structure, all atoms as arrays."""
+
+    document: Any
+    block: Any
+    structure: Any
+    flat: Any
+
+
 def open_mmcif(path: Path, limits: Limits) -> tuple[Any, Frames]:
     """Universe and models of an mmCIF file.
 
@@ -43,17 +51,13 @@ def open_mmcif(path: Path, limits: Limits) -> tuple[Any, Frames]:
     ------
     StructureError
         If it is empty, too large or no mmCIF file, or has a row that cannot be read.
-    MissingDependencyError
-        If gemmi is not installed.
     """
-    try:
-        gemmi = importlib.import_module("gemmi")
-    except ImportError:
-        raise MissingDependencyError(
-            f"{name_of(path)}: reading mmCIF needs gemmi; install it with"
-            " `pip install loopelastica[mmcif]`"
-        ) from None
-    flat, topology = _read(path, limits, gemmi)
+    text = read_text(path, limits)
+    _, _, structure, flat = parse_mmcif(path, text, limits)
+    topology = _first_model(structure)
+    if not topology.isascii():
+        raise StructureError(f"{name_of(path)}: {_no_ascii(text)}")
+    del text, structure
     begins = np.flatnonzero(np.diff(flat.model_num, prepend=flat.model_num[0] - 1))
     if len(begins) == 1:
         universe = universe_with(path, topology, "CIF", np.array([flat.pos]))
@@ -65,14 +69,31 @@ def open_mmcif(path: Path, limits: Limits) -> tuple[Any, Frames]:
     return universe, TableFrames(positions, complete)
 
 
-def _read(path: Path, limits: Limits, gemmi: Any) -> tuple[Any, bytes]:
-    """All atoms of all models as arrays, and the first model as mmCIF of its own."""
-    text = _text(path, limits)
+def parse_mmcif(path: Path, text: bytes, limits: Limits) -> Parsed:
+    """What gemmi reads from the text of an mmCIF file.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for the sentence.
+    text : bytes
+        Its content.
+    limits : Limits
+        How many atoms it may have.
+
+    Raises
+    ------
+    StructureError
+        If it is empty, too large or no mmCIF structure, or has a row that cannot be read.
+    """
+    import gemmi
+
     if not text.strip():
         raise StructureError(f"{name_of(path)}: the file is empty")
     block = None
     try:
-        block = gemmi.cif.read_string(text).sole_block()
+        document = gemmi.cif.read_string(text)
+        block = document.sole_block()
         structure = gemmi.make_structure_from_block(block)
         if len(structure) == 0 or structure[0].count_atom_sites() == 0:
             raise StructureError(
@@ -90,15 +111,13 @@ def _read(path: Path, limits: Limits, gemmi: Any) -> tuple[Any, bytes]:
         fault = _fault(block)
         if fault is not None:
             raise StructureError(f"{name_of(path)}: {fault}")
-    del block
-    topology = _first_model(structure, gemmi)
-    if not topology.isascii():
-        raise StructureError(f"{name_of(path)}: {_no_ascii(text)}")
-    return flat, topology
+    return Parsed(document, block, structure, flat)
 
 
-def _first_model(structure: Any, gemmi: Any) -> bytes:
+def _first_model(structure: Any) -> bytes:
     """The first model as mmCIF of its own, in the columns that are used."""
+    import gemmi
+
     first = gemmi.Structure()
     first.add_model(structure[0])
     groups = gemmi.MmcifOutputGroups(False, atoms=True, group_pdb=True)
@@ -119,7 +138,7 @@ def _no_ascii(text: bytes) -> str:
     return f"{place} has a name with a sign that is no ASCII; mmCIF allows no other"
 
 
-def _text(path: Path, limits: Limits) -> bytes:
+def read_text(path: Path, limits: Limits) -> bytes:
     """The content; of blanks by the megabyte one is kept."""
     return b"".join(b"\n" if p.isspace() else p for p in pieces(path, limits))
 
@@ -201,9 +220,10 @@ _COLUMNS: tuple[tuple[str, str, Callable[[str], bool]], ...] = (
 
 def _fault(block: Any) -> str | None:
     """The first row of an atom that cannot be read, None where each can."""
+    import gemmi
+
     if block is None:
         return None
-    gemmi = importlib.import_module("gemmi")
     for column, what, readable in _COLUMNS:
         for row, value in enumerate(block.find_values(f"_atom_site.{column}"), start=1):
             text = gemmi.cif.as_string(value) or value

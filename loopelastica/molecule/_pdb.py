@@ -67,6 +67,43 @@ def open_pdb(path: Path, limits: Limits) -> tuple[Any, Frames]:
     return universe, TrajectoryFrames(universe) if as_it_is else TableFrames(positions, alike)
 
 
+def pdb_text(path: Path, limits: Limits) -> str:
+    """The whole content of a PDB file; lines begin with their record and end in a line feed."""
+    text = b"".join(pieces(path, limits)).decode("utf-8-sig", "replace")
+    if not text or text.isspace():
+        raise StructureError(f"{name_of(path)}: the file is empty")
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    return re.sub(rf"^[ \t]+(?={_ATOM}|MODEL |END|TER)", "", text, flags=re.MULTILINE)
+
+
+def scan_pdb(path: Path, text: str, limits: Limits) -> int:
+    """Look a text through as `open_pdb` does.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for the sentence.
+    text : str
+        Its whole content.
+    limits : Limits
+        How many atoms a model may have.
+
+    Returns
+    -------
+    int
+        Number of models.
+
+    Raises
+    ------
+    StructureError
+        If a record cannot be read, or the text has no atoms or is cut short.
+    """
+    scan = _Scan(path, limits)
+    for number, line in _wanted(text, 1, _RECORD):
+        scan.take(number, line)
+    return len(scan.models_alike()[0])
+
+
 def pdb_records(path: Path) -> list[str]:
     """Lines of the first model of a PDB file as they are: atoms, ANISOU and TER, and CRYST1."""
     # The file was read within the limits of the user before.

@@ -7,7 +7,7 @@ without a base (an abasic or disordered site) counts too, because the chain pass
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleoti
 
 _SUGAR = ("C1'", "C3'", "C4'")
 # A substituent at C2' marks the A-form sugars of RNA; 2'-fluoro, -amino and -thio RNA have no O2'.
-_RIBO = ("O2'", "F2'", "N2'", "S2'")
+RIBO: Final = ("O2'", "F2'", "N2'", "S2'")
 _LONGEST = 32
 _NO_CHAIN = "SYSTEM"  # the segment name MDAnalysis invents where the file has none
 
@@ -47,7 +47,7 @@ def recognize(atoms: Any) -> Nucleotides:
         among equals.
     """
     residue_of = np.asarray(atoms.resindices, dtype=np.int64)
-    altloc = _strings(atoms, "altLocs")
+    altloc = strings(atoms, "altLocs")
     occupancy = np.asarray(getattr(atoms, "occupancies", np.ones(len(atoms))), dtype=np.float64)
     preferred = _preferred(residue_of, altloc, occupancy)
     rows, table = _index_table(atoms.names, residue_of, preferred, len(atoms.universe.residues))
@@ -55,25 +55,25 @@ def recognize(atoms: Any) -> Nucleotides:
     rows, table = rows[found], table[found]
 
     residues = atoms.universe.residues[rows]
-    chain = _chains(atoms, residues, table)
+    chain = chains_of(atoms)[table[:, column_of("C1'")]]
     resid = np.asarray(residues.resids, dtype=np.int64)
-    icode = _strings(residues, "icodes")
+    icode = strings(residues, "icodes")
     once = _one_of_each(chain, resid, icode, table, altloc, occupancy)
     table = table[once]
-    is_dna = np.asarray(~_has(table, _RIBO).any(axis=1), dtype=np.bool_)
+    is_dna = np.asarray(~_has(table, RIBO).any(axis=1), dtype=np.bool_)
     return Nucleotides(
         chain=chain[once],
         resid=resid[once],
         icode=icode[once],
-        resname=_strings(residues, "resnames")[once],
-        letter=_letters(table, is_dna),
+        resname=strings(residues, "resnames")[once],
+        letter=letters_of(table, is_dna),
         is_dna=is_dna,
         altloc=_taken(altloc, table),
         atom_index=np.where(table >= 0, atoms.indices[table], -1),
     )
 
 
-def _strings(group: Any, attribute: str) -> NDArray[np.str_]:
+def strings(group: Any, attribute: str) -> NDArray[np.str_]:
     """Strings of one topology attribute, stripped; all "" where the Universe lacks it."""
     values = getattr(group, attribute, None)
     if values is None or len(values) == 0:
@@ -139,11 +139,11 @@ def _taken(altloc: NDArray[np.str_], table: NDArray[np.int64]) -> NDArray[np.str
     return np.asarray(letters[np.arange(len(table)), first], dtype=np.str_)
 
 
-def _chains(atoms: Any, residues: Any, table: NDArray[np.int64]) -> NDArray[np.str_]:
-    """Chain identifiers, else segment identifiers, else "" for each nucleotide."""
-    segment = _strings(residues, "segids")
+def chains_of(atoms: Any) -> NDArray[np.str_]:
+    """Chain identifiers, else segment identifiers, else "" for each atom."""
+    segment = strings(atoms, "segids")
     segment[segment == _NO_CHAIN] = ""
-    chain = _strings(atoms, "chainIDs")[table[:, column_of("C1'")]]
+    chain = strings(atoms, "chainIDs")
     return np.where(chain == "", segment, chain)
 
 
@@ -167,7 +167,7 @@ def _one_of_each(
     return np.array(sorted(best.values()), dtype=np.int64)
 
 
-def _letters(table: NDArray[np.int64], is_dna: NDArray[np.bool_]) -> NDArray[np.str_]:
+def letters_of(table: NDArray[np.int64], is_dna: NDArray[np.bool_]) -> NDArray[np.str_]:
     """Parent base: purine by its five-ring, then the exocyclic group at C6 (purine) or C4.
 
     The methyl of T counts on deoxyribose only: 5-methyluridine of tRNA is a modified U.

@@ -97,7 +97,7 @@ class Gap(Record):
     remarks : tuple of str
         One sentence for each thing that a user should be aware of.
     replaces : tuple of Monomer
-        What is there now and gives way, where the user wants a strand anew.
+        What is there now and is given up for it, where a user asks for a strand that exists.
     """
 
     monomers: tuple[Monomer, ...]

@@ -39,6 +39,7 @@ __all__ = [
     "Limits",
     "TableFrames",
     "first_line",
+    "is_mmcif",
     "is_pdb",
     "name_of",
     "open_file",
@@ -83,8 +84,6 @@ def open_file(path: Path, limits: Limits) -> tuple[Any, Frames]:
     StructureError
         If the file is absent, not regular, unreadable, empty, cut short, too large or not
         understood.
-    MissingDependencyError
-        If an mmCIF file is to be read without gemmi.
     """
     kind = kind_of(path)
     if kind in _PDB:
@@ -111,3 +110,8 @@ def open_file(path: Path, limits: Limits) -> tuple[Any, Frames]:
 def is_pdb(path: Path) -> bool:
     """Whether a file is in PDB format, by its name."""
     return kind_of(path) in _PDB
+
+
+def is_mmcif(path: Path) -> bool:
+    """Whether a file is in mmCIF format, by its name."""
+    return kind_of(path) in _MMCIF

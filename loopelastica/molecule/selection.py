@@ -79,6 +79,17 @@ def two_places(argument: str, text: str) -> tuple[Place, Place]:
     return places[0], places[1]
 
 
+def one_place(text: str) -> Place | None:
+    """A single place; None where the text is none.
+
+    >>> str(one_place("A.-3")), one_place("A.3-4")
+    ('A.-3', None)
+    """
+    m = _PLACE.fullmatch(text.strip()) if len(text) <= _LONGEST else None
+    # of A.3-4 it would take "A.3-" for nothing it knows, of A-3.4 for a chain
+    return Place(m["chain"], m["name"] or "", int(m["number"]), m["icode"]) if m else None
+
+
 def places(argument: str, value: Any) -> tuple[str, ...]:
     """One text or a sequence of them, each of two places; ValueError that names `argument` else."""
     found = texts(argument, value)
