@@ -9,7 +9,7 @@ from typing import Any, Final
 from loopelastica.errors import StructureError
 from loopelastica.report.changes import Changes
 from loopelastica.report.cif_categories import Written, raw, text_of, with_categories
-from loopelastica.report.placing import STANDARD, NewAtom, Row, plan_for, renumbered
+from loopelastica.report.placing import NewAtom, Row, plan_for, record_name, renumbered
 
 _WIDTH: Final = 33
 _AXES: Final = ("cartn_x", "cartn_y", "cartn_z")
@@ -149,10 +149,10 @@ class _AtomSite:
         """The values of a new row; of columns that are not named there is none."""
         residue, k = atom.residue, atom.atom
         occupancy, b_factor_A2 = residue.numbers(k)
-        group = groups.get(atom.resname) or ("ATOM" if atom.resname in STANDARD else "HETATM")
+        like = self.columns.get("group_pdb", {atom.like: "ATOM"})[atom.like]
         name, comp = raw(atom.name), raw(residue.resname)
         values = {
-            "group_pdb": group,
+            "group_pdb": record_name(atom, like, groups),
             "type_symbol": residue.elements[k].upper(),
             "label_atom_id": name,
             "auth_atom_id": name,
@@ -185,9 +185,10 @@ class _Seqs:
             (text_of(row[0]), text_of(row[1]), text_of(icodes[k]) if icodes else ""): row[2]
             for k, row in enumerate(scheme)
         }
-        self._used = set(
-            zip(*(site.columns.get(n, ()) for n in ("label_asym_id", "label_seq_id")), strict=True)
-        )
+        nothing = ["?"] * len(site.rows)
+        self._asyms = site.columns.get("label_asym_id", nothing)
+        self._seqs = site.columns.get("label_seq_id", nothing)
+        self._used = set(zip(self._asyms, self._seqs, strict=True))
 
     def of(self, atom: NewAtom) -> str:
         """That of an added nucleotide: as given, as the scheme has it, as numbers have room."""
@@ -199,12 +200,11 @@ class _Seqs:
         if found is not None:
             return found
         like = self._site.rows[atom.like]
-        seq = self._site.columns.get("label_seq_id", {atom.like: "?"})[atom.like]
+        seq = self._seqs[atom.like]
         if not seq.isdecimal() or icode or like.place[2]:
             return "?"
         own = str(int(seq) + number - like.place[1])
-        asym = self._site.columns["label_asym_id"][atom.like]
-        return "?" if (asym, own) in self._used else own
+        return "?" if (self._asyms[atom.like], own) in self._used else own
 
 
 def _numbered(ids: list[str | None], has_new: bool) -> list[str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from itertools import groupby, pairwise
+from itertools import combinations, groupby, pairwise, takewhile
 from typing import Final
 
 from loopelastica.report.changes import Changes, Place
@@ -20,11 +20,12 @@ from loopelastica.report.pdb_lines import (
     atom_text,
     decoded,
     encoded,
+    fits_columns,
     holds,
     number_text,
     with_position,
 )
-from loopelastica.report.placing import STANDARD, NewAtom, Plan, plan_for, renumbered, today
+from loopelastica.report.placing import NewAtom, Plan, plan_for, record_name, renumbered, today
 
 # O3'-P: a bond has 1.6 Å; where they are farther apart one chain ends and another begins
 _BONDED_A: Final = 2.5
@@ -63,10 +64,12 @@ def compose_pdb(text: str, changes: Changes) -> str | None:
     file = PdbFile.read(text)
     plan = plan_for(file.rows, lambda row: file.lines[file.atoms[row]].position_A, changes)
     likes = {atom.like: file.lines[file.atoms[atom.like]].text for atom in plan.new}
-    if not all(holds(atom, likes[atom.like]) for atom in plan.new):
+    fits = all(holds(atom, likes[atom.like]) for atom in plan.new)
+    if not fits or not all(map(fits_columns, plan.moved.values())):
         return None
-    entries = _without_breaks(_entries(file, plan, changes), plan, file)
+    entries = _entries(file, plan, changes)
     if plan.new:
+        entries = _without_breaks(entries, file)
         serials = _serials(entries)
         if serials is None:
             return None
@@ -99,16 +102,15 @@ def _entries(file: PdbFile, plan: Plan, changes: Changes) -> list[_Entry]:
     """Lines in their new order, under their old serial numbers."""
     before = {file.atoms[row]: atoms for row, atoms in plan.before.items()}
     after = {file.end_of(row): atoms for row, atoms in plan.after.items()}
-    hetero = {row.resname: file.lines[file.atoms[i]].kind for i, row in enumerate(file.rows)}
+    kinds = {row.resname: file.lines[file.atoms[i]].kind for i, row in enumerate(file.rows)}
     has_elements, end = bool(plan.new) and file.has_elements, file.line_end
 
     def added(atoms: list[NewAtom]) -> list[_Entry]:
         out = []
         for atom in atoms:
-            otherwise = "ATOM" if atom.resname in STANDARD else "HETATM"
-            kind = hetero.get(atom.resname, otherwise)
-            like = file.lines[file.atoms[atom.like]].text
-            text = atom_text(atom, like, kind == "HETATM", has_elements)
+            like = file.lines[file.atoms[atom.like]]
+            kind = record_name(atom, like.kind, kinds)
+            text = atom_text(atom, like.text, kind, has_elements)
             out.append(_Entry(Line(text, "", end, kind), atom.residue.model, None, atom))
         return out
 
@@ -139,68 +141,59 @@ def _moved(line: Line, position_A: tuple[float, ...], changes: Changes) -> Line:
 # --- where chains end -----------------------------------------------------------------------------
 
 
-def _without_breaks(entries: list[_Entry], plan: Plan, file: PdbFile) -> list[_Entry]:
+def _without_breaks(entries: list[_Entry], file: PdbFile) -> list[_Entry]:
     """Chains that end with their last residue, and do not end where a strand was filled."""
-    new: dict[tuple[int, Place], dict[str, list[float]]] = {}
-    for atom in plan.new:
-        known = new.setdefault((atom.residue.model, atom.residue.place), {})
-        known[today(atom.name)] = atom.residue.positions_A[atom.atom].tolist()
-    if not new:
-        return entries
-    atoms = [k for k, entry in enumerate(entries) if entry.line.is_atom]
-    follows = dict(pairwise(atoms))
-    out, last = [], None
-    for k, entry in enumerate(entries):
-        if entry.line.is_atom:
-            last = k
-        if entry.line.kind == "TER" and last is not None:
-            ends = [last, follows.get(last)]
-            keys = [None if end is None else _key(entries[end], file) for end in ends]
-            if any(key in new for key in keys):
-                if _joined(entries, ends, new, file):
+    atoms = [entry for entry in entries if entry.line.is_atom]
+    out, n = [], 0
+    for entry in entries:
+        n += entry.line.is_atom
+        if entry.line.kind == "TER":
+            before = _residue(atoms[n - 1 :: -1] if n else [], file)
+            behind = _residue(atoms[n:], file)
+            if any(atom.new is not None for atom in (*before, *behind)):
+                if _joined(before, behind, file):
                     continue
-                entry = _ended(entry, entries[last])
+                entry = _ended(entry, before)
         out.append(entry)
     return out
 
 
-def _key(entry: _Entry, file: PdbFile) -> tuple[int, Place]:
-    if entry.new is not None:
-        return entry.model, entry.new.residue.place
-    assert entry.row is not None
-    return entry.model, file.rows[entry.row].place
+def _residue(atoms: list[_Entry], file: PdbFile) -> list[_Entry]:
+    """The atoms of the residue that the first one belongs to."""
+    return list(takewhile(lambda atom: _key(atom, file) == _key(atoms[0], file), atoms))
 
 
-def _joined(
-    entries: list[_Entry],
-    ends: list[int | None],
-    new: dict[tuple[int, Place], dict[str, list[float]]],
-    file: PdbFile,
-) -> bool:
-    """Whether O3' of the residue before a TER record is bonded to P of the one behind it."""
-    found = []
-    for end, step, name in zip(ends, (-1, 1), ("O3'", "P"), strict=True):
-        if end is None:
-            return False
-        key = _key(entries[end], file)
-        while 0 <= end < len(entries):
-            entry = entries[end]
-            if entry.line.is_atom:
-                if _key(entry, file) != key:
-                    break
-                if today(entry.line.text[12:16].strip()) == name:
-                    found.append(entry.line.position_A)
-                    break
-            end += step
-    return len(found) == 2 and math.dist(*found) < _BONDED_A
+def _key(atom: _Entry, file: PdbFile) -> tuple[int, Place]:
+    if atom.new is not None:
+        # under the name of its chain in the file
+        chain = file.rows[atom.new.like].place[0]
+        return atom.model, (chain, *atom.new.residue.place[1:])
+    assert atom.row is not None
+    return atom.model, file.rows[atom.row].place
 
 
-def _ended(ter: _Entry, last: _Entry) -> _Entry:
+def _joined(before: list[_Entry], behind: list[_Entry], file: PdbFile) -> bool:
+    """Whether O3' of a residue is bonded to P of another one of the same chain."""
+    if not before or not behind:
+        return False
+    models, places = zip(*(_key(atoms[0], file) for atoms in (before, behind)), strict=True)
+    if models[0] != models[1] or places[0][0] != places[1][0]:
+        return False
+    ends = [
+        atom.line.position_A
+        for atoms, name in ((before, "O3'"), (behind, "P"))
+        for atom in atoms
+        if today(atom.line.text[12:16].strip()) == name
+    ]
+    return any(math.dist(a, b) < _BONDED_A for a, b in combinations(ends, 2))
+
+
+def _ended(ter: _Entry, before: list[_Entry]) -> _Entry:
     """A TER record that names the residue it follows, if it names one."""
     text = ter.line.text
-    if last.new is None or not text[17:27].strip():
+    if not before or not text[17:27].strip():
         return ter
-    text = f"{text[:17]}{last.line.text[17:27]}{text[27:]}"
+    text = f"{text[:17]}{before[0].line.text[17:27]}{text[27:]}"
     return replace(ter, line=replace(ter.line, text=text))
 
 
@@ -253,16 +246,17 @@ def _number(entries: list[_Entry], serials: list[int]) -> None:
         text = encoded(serial)
         if entry.row is not None:
             of_row[entry.row] = text
-        if entry.new is not None or entry.line.serial != text.strip():
-            entry.line = replace(entry.line, text=entry.line.numbered(text))
+        if entry.line.serial != text.strip():
+            entry.line = entry.line.numbered(text)
     for entry in entries:
         if entry.row is not None and not entry.line.is_atom:
-            entry.line = replace(entry.line, text=entry.line.numbered(of_row[entry.row]))
+            entry.line = entry.line.numbered(of_row[entry.row])
 
 
 def _connect(entries: list[_Entry], file: PdbFile, plan: Plan) -> None:
     """Make CONECT records point to the atoms that they pointed to."""
-    if not plan.new and not plan.gone:
+    has_records = any(entry.line.kind == "CONECT" for entry in entries)
+    if not has_records or not (plan.new or plan.gone):
         return
     now: dict[int, int] = {}
     for entry in entries:

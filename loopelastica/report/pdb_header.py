@@ -61,7 +61,7 @@ def with_header(lines: list[Line], file: PdbFile, plan: Plan, changes: Changes) 
     lines = _missing(lines, 465, _missing_residues(file, plan), file.model_numbers)
     lines = _missing(lines, 470, _missing_atoms(file, plan), file.model_numbers)
     lines = _noted(lines, changes.lines, file.line_end)
-    return _counted(lines)
+    return _counted(lines, file)
 
 
 # --- residues that went ---------------------------------------------------------------------------
@@ -214,22 +214,33 @@ def _number(line: Line) -> int:
     return int(text) if text.isdecimal() else 0
 
 
-def _counted(lines: list[Line]) -> list[Line]:
-    """MASTER with counts that are right; of files with models it counts all, or the first one."""
+def _counted(lines: list[Line], file: PdbFile) -> list[Line]:
+    """MASTER with the new counts, each of what it counted before.
+
+    Of models it counts all, or the first one, and of that some files count no hydrogen atoms.
+    """
     master = next((k for k, line in enumerate(lines) if line.kind == "MASTER"), None)
     if master is None:
         return lines
-    end = next((k for k, line in enumerate(lines) if line.kind == "ENDMDL"), len(lines))
     text = lines[master].text
     for start, kinds in _COUNTS.items():
-        where = [k for k, line in enumerate(lines) if line.kind in kinds]
         field = text[start : start + 5].strip()
         if field.isdecimal():
-            either = (len(where), sum(k < end for k in where))
-            count = min(either, key=lambda n: abs(n - int(field)))
+            pairs = zip(_counts(file.lines, kinds), _counts(lines, kinds), strict=True)
+            # of a file that was cut by hand only the result may fit
+            count = min(pairs, key=lambda pair: min(abs(n - int(field)) for n in pair))[1]
             text = f"{text[:start]}{count:5d}{text[start + 5 :]}"
     lines[master] = replace(lines[master], text=text)
     return lines
+
+
+def _counts(lines: list[Line], kinds: tuple[str, ...]) -> tuple[int, int, int]:
+    """Records of all models, of the first one, and of its heavy atoms."""
+    end = next((k for k, line in enumerate(lines) if line.kind == "ENDMDL"), len(lines))
+    places = [k for k, line in enumerate(lines) if line.kind in kinds]
+    first = [lines[k] for k in places if k < end]
+    heavy = [x for x in first if not x.is_atom or x.text[12:16].strip(" 0123456789")[:1] != "H"]
+    return len(places), len(first), len(heavy)
 
 
 def _as_wide(text: str, line: Line) -> str:

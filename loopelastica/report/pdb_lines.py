@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -21,6 +21,7 @@ _ELEMENT: Final = re.compile(r" [A-Za-z]|[A-Za-z][A-Za-z]")
 # A serial of six digits begins in the sixth column.
 _ATOM: Final = re.compile(r"ATOM[ \d][ \d]|HETATM", re.IGNORECASE)
 _FOLLOWS: Final = ("ANISOU", "SIGATM", "SIGUIJ")
+_SERIAL: Final = frozenset(("ATOM", "HETATM", "TER", *_FOLLOWS))
 _WIDTH: Final = 80
 
 
@@ -36,12 +37,15 @@ class Line:
         What is before it, and how the line ends.
     kind : str
         Name of the record in capitals, such as "ATOM", "TER", "REMARK".
+    serial : str
+        What stands for the serial number, if there is one.
     """
 
     text: str
     indent: str
     end: str
     kind: str
+    serial: str = ""
 
     @property
     def is_atom(self) -> bool:
@@ -49,19 +53,15 @@ class Line:
         return self.kind in ("ATOM", "HETATM")
 
     @property
-    def serial(self) -> str:
-        """What stands for the serial number."""
-        return self.text[4 if self.kind == "ATOM" else 6 : 11].strip()
-
-    @property
     def position_A(self) -> tuple[float, float, float]:
         """Å."""
         return float(self.text[30:38]), float(self.text[38:46]), float(self.text[46:54])
 
-    def numbered(self, serial: str) -> str:
-        """The text with another serial number."""
+    def numbered(self, serial: str) -> Line:
+        """The line with another serial number, of five columns."""
         head = self.text[:6] if self.kind != "ATOM" else f"{self.text[:4]}  "
-        return f"{head:<6}{serial}{self.text[11:]}"
+        text = f"{head:<6}{serial}{self.text[11:]}"
+        return Line(text, self.indent, self.end, self.kind, serial.strip())
 
 
 @dataclass(slots=True)
@@ -179,11 +179,16 @@ def holds(atom: NewAtom, like: str) -> bool:
         and (atom.completes or -999 <= residue.number <= 9999)
         and len(residue.icode) <= 1
         and residue.chain in ("", *_chains(like))
-        and all(-999.9995 < x < 9999.9995 for x in xyz)
+        and fits_columns(xyz)
     )
 
 
-def atom_text(atom: NewAtom, like: str, hetero: bool, elements: bool) -> str:
+def fits_columns(position_A: Iterable[float]) -> bool:
+    """Whether the columns of the format hold coordinates, Å."""
+    return all(-999.9995 < x < 9999.9995 for x in position_A)
+
+
+def atom_text(atom: NewAtom, like: str, kind: str, elements: bool) -> str:
     """The record of a new atom, all but its serial number.
 
     Parameters
@@ -191,8 +196,8 @@ def atom_text(atom: NewAtom, like: str, hetero: bool, elements: bool) -> str:
     atom : NewAtom
     like : str
         An atom of its chain, or of its residue where that has atoms.
-    hetero : bool
-        Whether it is a HETATM record.
+    kind : str
+        ATOM or HETATM.
     elements : bool
         Whether element symbols are written.
 
@@ -211,7 +216,7 @@ def atom_text(atom: NewAtom, like: str, hetero: bool, elements: bool) -> str:
     x, y, z = residue.positions_A[k].tolist()
     numbers = "".join(map(number_text, residue.numbers(k)))
     return (
-        f"{'HETATM' if hetero else 'ATOM  '}      {name:4s}{atom.altloc:1s}{place}   "
+        f"{kind:<6}      {name:4s}{atom.altloc:1s}{place}   "
         f"{x:8.3f}{y:8.3f}{z:8.3f}{numbers}      {like[72:76]}{element if elements else '':>2}  "
     )
 
@@ -235,10 +240,14 @@ def _lines(text: str) -> Iterator[Line]:
     for raw in io.StringIO(text, newline=""):
         body = raw.rstrip("\r\n")
         own = body.lstrip(" \t")
-        kind = "ATOM" if own[:4].upper() == "ATOM" and _ATOM.match(own) else own[:6].strip().upper()
-        if kind[:3] == "TER" and not kind[3:].strip("0123456789 "):
+        kind = own[:6].rstrip().upper()
+        if kind[:4] == "ATOM" and _ATOM.match(own):
+            kind = "ATOM"
+        elif kind[:3] == "TER" and not kind[3:].strip("0123456789 "):
             kind = "TER"
-        yield Line(own, body[: len(body) - len(own)], raw[len(body) :], kind)
+        begin = 4 if kind == "ATOM" else 6
+        serial = own[begin:11].strip() if kind in _SERIAL else ""
+        yield Line(own, body[: len(body) - len(own)], raw[len(body) :], kind, serial)
 
 
 def _row(text: str, model: int) -> Row:

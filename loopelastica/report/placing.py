@@ -8,8 +8,9 @@ nucleotide, by the order of the wwPDB.
 from __future__ import annotations
 
 import itertools
+import re
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
@@ -31,10 +32,8 @@ _SAME_A: Final = 0.01
 
 PositionOf = Callable[[int], Sequence[float]]
 
-STANDARD: Final = frozenset(
-    ("A", "C", "G", "U", "I", "N", "DA", "DC", "DG", "DT", "DU", "DI", "DN")
-)
-"""Nucleotides that have ATOM records, where others have HETATM."""
+# nucleotides by their names in the wwPDB and in force fields, such as A, DA, RA5, ADE
+_PLAIN: Final = re.compile(r"[DR]?[ACGTUIN][35N]?|ADE|CYT|GUA|THY|URA")
 
 
 class Row(NamedTuple):
@@ -85,6 +84,28 @@ def today(name: str) -> str:
     ('OP1', "C5'", 'P')
     """
     return _TODAY.get(name, name).replace("*", "'")
+
+
+def record_name(atom: NewAtom, like: str, others: Mapping[str, str]) -> str:
+    """ATOM or HETATM for a new atom.
+
+    Parameters
+    ----------
+    atom : NewAtom
+    like : str
+        That of the atom it is like.
+    others : mapping of str to str
+        Those of the residues in the file, by their names.
+
+    Returns
+    -------
+    str
+    """
+    if atom.completes:
+        return like
+    if _PLAIN.fullmatch(atom.resname):
+        return "ATOM"
+    return others.get(atom.resname, "HETATM")
 
 
 def plan_for(rows: Sequence[Row], position_A: PositionOf, changes: Changes) -> Plan:
@@ -233,10 +254,9 @@ class _Sites:
 
     def removed(self, removed: Removed) -> list[int]:
         """Rows of a residue, or of one atom, that is left out."""
-        rows = []
-        for run in self._runs.get(
-            (removed.model, (removed.chain, removed.number, removed.icode)), ()
-        ):
+        rows: list[int] = []
+        place = (removed.chain, removed.number, removed.icode)
+        for run in self._runs.get((removed.model, place), ()):
             mine = [
                 i
                 for i in run
@@ -247,6 +267,11 @@ class _Sites:
                 np.linalg.norm(np.subtract(self._position(i), removed.at_A)) < _SAME_A for i in mine
             ):
                 rows += mine
+        if not rows:
+            raise StructureError(
+                f"{label(place, removed.resname)}: model {removed.model + 1} has no such residue or"
+                " atom that could be left out"
+            )
         return rows
 
     def atom(self, model: int, chain: str, number: int, icode: str, name: str) -> list[int]:
