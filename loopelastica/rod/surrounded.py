@@ -33,7 +33,7 @@ from loopelastica.rod._starts import Deadline
 from loopelastica.rod.clamping import nearest_rotation
 from loopelastica.rod.curves import Span, check_points, check_span, standard_guesses
 from loopelastica.rod.equilibrium import MESSAGES
-from loopelastica.rod.kernels.arc_minimization import minimize_arcs
+from loopelastica.rod.kernels.arc_minimization import Room, minimize_arcs, new_rod, new_room
 from loopelastica.rod.kernels.obstacles import Obstacles
 from loopelastica.rod.kernels.records import Status
 
@@ -246,10 +246,12 @@ def surrounded_rods(
         _not_negative("self_repulsion", self_repulsion) / cutoff,
         _APART * cutoff,
     )
+    s = arc_nodes(span, optional(_segments)("segments", segments), cutoff)
     search = _Search(
         span,
         _start_frame(span.start_tangent, start_frame),
-        arc_nodes(span, optional(_segments)("segments", segments), cutoff),
+        s,
+        new_room(s),
         grid_of(span.chord, repulsion),
         repulsion,
         between(1e-11, 1e-3)("tolerance", tolerance),
@@ -285,6 +287,7 @@ class _Search(NamedTuple):
     span: Span
     frame: Array
     s: Array
+    room: Room
     grid: Obstacles
     repulsion: Repulsion
     tolerance: float
@@ -294,13 +297,14 @@ class _Search(NamedTuple):
         """Status, energy, tangents and whether it is a minimum, from points along a curve."""
         guess = node_tangents(curve, self.s, self.span)
         for angle in _BOWS:
-            tangents = bowed(guess, angle) if angle else guess.copy()
-            status, bending, contact, stable, _ = minimize_arcs(
-                self.s, tangents, self.span.chord, self.grid, 0.1 * self.tolerance, self.patience
+            rod = new_rod(self.s)
+            rod.tangents[:] = bowed(guess, angle) if angle else guess
+            status, bending, contact, stable = minimize_arcs(
+                rod, self.room, self.span.chord, self.grid, 0.1 * self.tolerance, self.patience
             )
             if status == Status.CONVERGED:
                 break
-        return Status(status), bending + contact, tangents, bool(stable)
+        return Status(status), bending + contact, rod.tangents, bool(stable)
 
     def rod(self, tangents: Array, guess: int, stable: bool) -> SurroundedRod:
         """What the tangents amount to, with the status of a check."""

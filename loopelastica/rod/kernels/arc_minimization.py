@@ -9,6 +9,9 @@ The only constraint is where the rod ends: three equations, r_n = r. Every itera
 2. A line search on the energy. Each trial is brought back to r_n = r by the shortest way (`close`).
 3. Where the gradient is small, the Hessian's factors LDLᵀ tell a minimum from a saddle. A saddle is
    left along a direction of negative curvature.
+
+The loop evaluates one trial each time, so that every part is called from one place and compiled
+once.
 """
 
 import math
@@ -21,15 +24,14 @@ from loopelastica.rod.kernels.arc_rod import (
     ArcRod,
     Slopes,
     add_arcs,
-    find_gradient,
     find_slopes,
     largest_turn,
     move,
     trace,
 )
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.linalg import copy_rows, inverse3
-from loopelastica.rod.kernels.obstacles import repel_itself, repel_pair, repel_points
+from loopelastica.rod.kernels.linalg import copy_rows
+from loopelastica.rod.kernels.obstacles import repel, repel_pair
 from loopelastica.rod.kernels.records import Status
 
 CONVERGED, STALLED = int(Status.CONVERGED), int(Status.STALLED)
@@ -37,247 +39,228 @@ TOO_MANY_ITERATIONS = int(Status.TOO_MANY_ITERATIONS)
 
 # largest turn of a tangent in one step, rad
 _STEP = 0.5
-# |r_n − r| of a closed rod: rounding
-_CLOSED = 1e-13
-# of the energy's slope in a step, the share that must be gained; rounding, relative to the energy
-_GAIN, _ROUNDING = 1e-4, 1e-13
+# |r_n − r| of a closed rod; what rounding may leave of it
+_CLOSED, _NEARLY_CLOSED = 1e-13, 1e-12
+# trials of `close`, at first and within a line search
+_FIRST, _PATIENCE = 300, 16
+# of the energy's slope in a step, the share that must be gained; rounding, relative to the energy;
+# steps whose gain is below it
+_GAIN, _ROUNDING, _BLIND = 1e-4, 1e-13, 8
 # curvature, K0/L per square of an L2 norm, that counts as none: a turn about the line of both ends
 _FLAT = 1e-3
 # turn of a step away from a saddle, rad, and how many are made
 _LEAVE, _SADDLES = 0.2, 6
+# trials along one step; shifts of one Hessian
+_TRIALS, _SHIFTS = 14, 60
 
 
-class _Room(NamedTuple):
-    """Scratch for n arcs; m = 2n − 2 coordinates."""
+class Constraint(NamedTuple):
+    """Slopes of the end's place, transposed, as reflectors times R; m = 2n − 2 coordinates."""
 
+    vectors: Array
+    """(3, m): v of the reflections 1 − size v vᵀ."""
+    size: Array
+    """(3,)."""
+    upper: Array
+    """(3, 3): R."""
+
+
+class Room(NamedTuple):
+    """Scratch for rods of n arcs; m = 2n − 2 coordinates."""
+
+    trial: ArcRod
+    closer: ArcRod
     slopes: Slopes
+    closing: Slopes
+    """As ``slopes``, of trials on their way to the end."""
+    constraint: Constraint
+    closing_constraint: Constraint
     forces: Array
-    """(n + 1, 3): gradients by places."""
+    """(n + 1, 3): gradients of the repulsion by places."""
     blocks: Array
-    """(n + 1, 3, 3): second derivatives by a place."""
+    """(n + 1, 3, 3): second derivatives by one place each."""
     chords: Array
     """(n, 3): forces on the chords."""
+    gap_slopes: Array
+    """(n + 1, 3, 2)."""
     gradient: Array
-    """(m,)."""
-    sides: Array
-    """(3, m): slopes of the end's place; becomes the reflectors."""
-    size: Array
-    """(3,): 2/|v|² of each reflector."""
-    upper: Array
-    """(3, 3): R of the decomposition of the transposed slopes."""
-    hessian: Array
-    """(m, m)."""
-    factors: Array
-    """(m, m)."""
+    """(m,), as ``step`` and ``other``."""
     step: Array
-    """(m,)."""
     other: Array
-    """(m,)."""
+    hessian: Array
+    """(m, m), as ``factors``."""
+    factors: Array
 
 
-@kernel
-def _new_room(n):
+def new_rod(s: Array) -> ArcRod:
+    """Room for a rod with nodes at the arc lengths ``s`` (n + 1,)."""
+    return ArcRod(s, np.zeros((len(s), 3)), np.zeros((len(s), 3)))
+
+
+def new_room(s: Array) -> Room:
+    """Scratch for rods with nodes at the arc lengths ``s`` (n + 1,)."""
+    n = len(s) - 1
     m = 2 * n - 2
-    return _Room(
-        Slopes(np.zeros((n + 1, 3, 2)), np.zeros((n + 1, 3, 2)), np.zeros((n + 1, 3, 2))),
+    slopes = [Slopes(*np.zeros((3, n + 1, 3, 2)), np.zeros(m)) for _ in range(2)]
+    constraints = [Constraint(np.zeros((3, m)), np.zeros(3), np.zeros((3, 3))) for _ in range(2)]
+    return Room(
+        new_rod(s),
+        new_rod(s),
+        *slopes,
+        *constraints,
         np.zeros((n + 1, 3)),
         np.zeros((n + 1, 3, 3)),
         np.zeros((n, 3)),
-        np.zeros(m),
-        np.zeros((3, m)),
-        np.zeros(3),
-        np.zeros((3, 3)),
-        np.zeros((m, m)),
-        np.zeros((m, m)),
-        np.zeros(m),
-        np.zeros(m),
+        np.zeros((n + 1, 3, 2)),
+        *np.zeros((3, m)),
+        *np.zeros((2, m, m)),
     )
 
 
 @kernel
-def _end_slopes(slopes, sides):
-    """Slopes of r_n by the coordinates, into ``sides`` (3, m)."""
-    for k in range(1, slopes.after.shape[0] - 1):
-        for side in range(2):
-            for i in range(3):
-                sides[i, 2 * k - 2 + side] = slopes.after[k, i, side]
-
-
-@kernel
-def _miss(rod, goal):
-    """|r_n − r|, infinite rather than not a number."""
-    square = 0.0
-    for i in range(3):
-        square += (rod.points[-1, i] - goal[i]) ** 2
-    return math.sqrt(square) if square < 1e300 else math.inf
-
-
-@kernel
-def close(rod, goal, trial, room, patience):
-    """Bring the rod's end to ``goal`` (3,) by small turns of its tangents, the shortest way.
-
-    Returns whether it is there and the bending energy. ``trial`` is a rod for scratch.
-    """
-    slopes, sides, x = room.slopes, room.sides, room.other
-    normal, inverse = np.empty((3, 3)), np.empty((3, 3))
-    energy = trace(rod)
-    miss = _miss(rod, goal) if energy < math.inf else math.inf
-    for _ in range(patience):
-        if miss <= _CLOSED or not miss < math.inf:
-            break
-        find_slopes(rod, slopes)
-        _end_slopes(slopes, sides)
-        spread = 0.0
+def _constrain(slopes, constraint):
+    """Fill ``constraint`` by Householder's reflections."""
+    v, size, upper = constraint.vectors, constraint.size, constraint.upper
+    m = v.shape[1]
+    for q in range(m):
         for i in range(3):
-            for j in range(3):
-                normal[i, j] = 0.0
-                for q in range(x.shape[0]):
-                    normal[i, j] += sides[i, q] * sides[j, q]
-            spread += normal[i, i]
-        for i in range(3):
-            normal[i, i] += 1e-13 * spread
-        inverse3(normal, inverse)
-        for q in range(x.shape[0]):
-            x[q] = 0.0
-        for i in range(3):
-            y = 0.0
-            for j in range(3):
-                y += inverse[i, j] * (goal[j] - rod.points[-1, j])
-            for q in range(x.shape[0]):
-                x[q] += y * sides[i, q]
-        t, nearer = min(1.0, _STEP / max(largest_turn(rod.s, x), 1e-300)), False
-        for _ in range(12):
-            move(rod, slopes.basis, x, t, trial)
-            energy = trace(trial)
-            trial_miss = _miss(trial, goal) if energy < math.inf else math.inf
-            nearer = trial_miss < miss
-            if nearer:
-                break
-            t *= 0.5
-        if not nearer:
-            break
-        copy_rows(trial.tangents, rod.tangents)
-        copy_rows(trial.points, rod.points)
-        miss = trial_miss
-    energy = trace(rod)
-    # rounding may keep a long rod of small arcs from the last digit
-    return miss < 10.0 * _CLOSED, energy
-
-
-@kernel
-def _reflect_all(sides, size, upper):
-    """Householder reflectors of the columns of ``sides``ᵀ in its rows, and R in ``upper``."""
-    m = sides.shape[1]
+            v[i, q] = slopes.after[q // 2 + 1, i, q % 2]
     for i in range(3):
         square = 0.0
         for q in range(i, m):
-            square += sides[i, q] ** 2
+            square += v[i, q] ** 2
         root = math.sqrt(square)
-        if sides[i, i] > 0.0:
+        if v[i, i] > 0.0:
             root = -root
         for j in range(i):
             # R above the diagonal, from the reflections before
-            upper[j, i] = sides[i, j]
-            sides[i, j] = 0.0
+            upper[j, i] = v[i, j]
+            v[i, j] = 0.0
         upper[i, i] = root
-        sides[i, i] -= root
-        square = 0.0
-        for q in range(i, m):
-            square += sides[i, q] ** 2
-        size[i] = 2.0 / max(square, 1e-300)
+        # v·v/2 once v has lost R's diagonal
+        half = square - root * v[i, i]
+        v[i, i] -= root
+        size[i] = 1.0 / half if half > 1e-290 else 0.0
         for j in range(i + 1, 3):
-            dot = 0.0
-            for q in range(i, m):
-                dot += sides[i, q] * sides[j, q]
-            for q in range(i, m):
-                sides[j, q] -= size[i] * dot * sides[i, q]
+            _reflect(constraint, i, v[j])
 
 
 @kernel
-def _reflect(room, i, x):
-    """Apply reflector ``i`` to ``x`` (m,)."""
-    v = room.sides
-    dot = 0.0
+def _reflect(constraint, i, x):
+    """Apply reflection ``i`` to ``x`` (m,)."""
+    v, dot = constraint.vectors[i], 0.0
     for q in range(i, x.shape[0]):
-        dot += v[i, q] * x[q]
+        dot += v[q] * x[q]
+    dot *= constraint.size[i]
     for q in range(i, x.shape[0]):
-        x[q] -= room.size[i] * dot * v[i, q]
+        x[q] -= dot * v[q]
 
 
 @kernel
-def _project(room, rod, obstacles):
-    """Gradient and multiplier: fills ``room`` but for the Hessian.
+def close(rod, goal, room, patience):
+    """Bring the rod's end to ``goal`` (3,) by the shortest way, all its tangents turning.
 
-    Returns energy of contact and the gradient's size along the constraint, relative to that of the
-    forces at work. ``gradient`` is split by the reflections, ``chords`` include −λ.
+    Returns whether it is there, and the bending energy.
+    """
+    closer, slopes, x = room.closer, room.closing, room.other
+    constraint, upper = room.closing_constraint, room.closing_constraint.upper
+    miss, energy, t, tries = math.inf, math.inf, 1.0, 0
+    copy_rows(rod.tangents, closer.tangents)
+    for _ in range(patience):
+        here = trace(closer)
+        square = 0.0
+        for i in range(3):
+            square += (closer.points[-1, i] - goal[i]) ** 2
+        if here < math.inf and square < miss * miss:
+            copy_rows(closer.tangents, rod.tangents)
+            copy_rows(closer.points, rod.points)
+            miss, energy, tries = math.sqrt(square), here, 0
+            if miss <= _CLOSED:
+                break
+            find_slopes(rod, slopes)
+            _constrain(slopes, constraint)
+            # the least x with (slopes) x = goal − r_n: Rᵀ y = that, x = Q y
+            for q in range(x.shape[0]):
+                x[q] = 0.0
+            for i in range(3):
+                rest = goal[i] - rod.points[-1, i]
+                for j in range(i):
+                    rest -= upper[j, i] * x[j]
+                x[i] = rest / upper[i, i] if upper[i, i] ** 2 > 1e-24 else 0.0
+            for i in range(2, -1, -1):
+                _reflect(constraint, i, x)
+            turn = largest_turn(rod.s, x)
+            t = 1.0 if turn < _STEP else _STEP / turn
+        else:
+            tries += 1
+            t *= 0.5
+            if tries > 12 or miss == math.inf:
+                break
+        move(rod, slopes.basis, x, t, closer)
+    return miss < _NEARLY_CLOSED, energy
+
+
+@kernel
+def _project(room, rod, effort):
+    """The gradient, split by the reflections, and the forces on the chords, −λ among them.
+
+    Returns the gradient's size along the constraint, relative to all forces at work.
     """
     slopes, forces, chords, gradient = room.slopes, room.forces, room.chords, room.gradient
-    n = rod.s.shape[0] - 1
-    energy, effort = repel_points(obstacles, rod, forces, room.blocks)
-    own, own_effort = repel_itself(obstacles, rod, forces)
-    for i in range(3):
-        total = 0.0
-        for k in range(n - 1, -1, -1):
-            # the end's own place is given: the force on it is no concern of the rod's
-            if k < n - 1:
-                total += forces[k + 1, i]
-            chords[k, i] = total
+    n, upper = rod.s.shape[0] - 1, room.constraint.upper
     find_slopes(rod, slopes)
-    find_gradient(rod, chords, slopes.basis, gradient)
-    _end_slopes(slopes, room.sides)
-    _reflect_all(room.sides, room.size, room.upper)
     for i in range(3):
-        _reflect(room, i, gradient)
+        # the end's place is given: the force on it is no concern of the rod's
+        chords[n - 1, i] = 0.0
+    for k in range(n - 1, 0, -1):
+        for side in range(2):
+            at = 2 * k - 2 + side
+            gradient[at] = slopes.bending[at]
+            for i in range(3):
+                gradient[at] += (
+                    slopes.own[k, i, side] * forces[k, i] + slopes.after[k, i, side] * chords[k, i]
+                )
+        for i in range(3):
+            chords[k - 1, i] = chords[k, i] + forces[k, i]
+    _constrain(slopes, room.constraint)
     size, along = 0.0, 0.0
+    for i in range(3):
+        _reflect(room.constraint, i, gradient)
     for q in range(gradient.shape[0]):
         size += gradient[q] ** 2
         if q > 2:
             along += gradient[q] ** 2
     # R λ = the first three components
-    upper, f = room.upper, np.zeros(3)
     for i in range(2, -1, -1):
-        f[i] = gradient[i]
+        force = gradient[i]
         for j in range(i + 1, 3):
-            f[i] -= upper[i, j] * f[j]
-        f[i] = f[i] / upper[i, i] if abs(upper[i, i]) > 1e-300 else 0.0
+            force -= upper[i, j] * gradient[j]
+        gradient[i] = force / upper[i, i] if upper[i, i] ** 2 > 1e-24 else 0.0
     for k in range(n):
         for i in range(3):
-            chords[k, i] -= f[i]
-    scale = 1.0 + math.sqrt(size) + effort + own_effort
-    return energy + own, math.sqrt(along) / scale
+            chords[k, i] -= gradient[i]
+    return math.sqrt(along) / (1.0 + math.sqrt(size) + effort)
 
 
 @kernel
 def _add_places(room, rod, obstacles):
     """Add to the upper triangle of the Hessian what is due to the places of nodes."""
     own, after, hessian, blocks = room.slopes.own, room.slopes.after, room.hessian, room.blocks
-    n = rod.s.shape[0] - 1
-    total, column = np.zeros((3, 3)), np.empty((3, 2))
+    n, total, column = rod.s.shape[0] - 1, np.zeros((3, 3)), room.gap_slopes
     for j in range(n - 1, 0, -1):
-        # a place after j moves by ``after`` of both, the place j itself by ``own`` of j
+        # the place j moves by ``own``, all after it by ``after``
         for side in range(2):
             for i in range(3):
-                column[i, side] = 0.0
+                column[0, i, side] = column[1, i, side] = 0.0
                 for k in range(3):
-                    column[i, side] += (
-                        blocks[j, i, k] * own[j, k, side] + total[i, k] * after[j, k, side]
-                    )
-        for i in range(1, j):
-            _add_block(hessian, after, i, column, j)
-        for p in range(2):
-            for q in range(p, 2):
-                for i in range(3):
-                    part = 0.0
-                    for k in range(3):
-                        part += total[i, k] * after[j, k, q]
-                    hessian[2 * j - 2 + p, 2 * j - 2 + q] += (
-                        after[j, i, p] * part + own[j, i, p] * (column[i, q] - part)
-                    )
+                    column[0, i, side] += total[i, k] * after[j, k, side]
+                    column[1, i, side] += blocks[j, i, k] * own[j, k, side]
+        for part in range(2):
+            for i in range(1, j + 1):
+                _add_block(hessian, own if part == 1 and i == j else after, i, column[part], j)
         for i in range(3):
             for k in range(3):
                 total[i, k] += blocks[j, i, k]
-    if obstacles.density > 0.0:
-        _add_pairs(room, rod, obstacles)
 
 
 @kernel
@@ -285,76 +268,71 @@ def _add_block(hessian, rows, i, column, j):
     """Add rowsᵀ column, of tangents ``i`` ≤ ``j``, to the Hessian."""
     for p in range(2):
         for q in range(2):
-            hessian[2 * i - 2 + p, 2 * j - 2 + q] += (
-                rows[i, 0, p] * column[0, q]
-                + rows[i, 1, p] * column[1, q]
-                + rows[i, 2, p] * column[2, q]
-            )
+            for k in range(3):
+                hessian[2 * i - 2 + p, 2 * j - 2 + q] += rows[i, k, p] * column[k, q]
 
 
 @kernel
 def _add_pairs(room, rod, obstacles):
-    """The part of `_add_places` that is due to pairs of nodes."""
-    own, after, nodes = room.slopes.own, room.slopes.after, rod.points
+    """Add what is due to the repulsion between pairs of nodes."""
+    own, after, nodes, moved = room.slopes.own, room.slopes.after, rod.points, room.gap_slopes
     n = rod.s.shape[0] - 1
-    # how the gap between nodes k and m moves with each tangent from k to m
-    slopes, column, gap = np.zeros((n + 1, 3, 2)), np.empty((3, 2)), np.empty(3)
+    column = room.slopes.basis[0]
     for k in range(n):
         for m in range(k + 2, n + 1):
             _, p, q = repel_pair(obstacles, rod, k, m)
             if p == 0.0:
                 continue
-            for i in range(3):
-                gap[i] = nodes[m, i] - nodes[k, i]
             for j in range(k, m + 1):
-                for side in range(2):
-                    for i in range(3):
-                        moved = own[j, i, side] if j == m else after[j, i, side]
-                        slopes[j, i, side] = moved - own[j, i, side] if j == k else moved
-            for j in range(max(k, 1), min(m, n - 1) + 1):
+                if not 0 < j < n:
+                    continue
                 for side in range(2):
                     dot = 0.0
                     for i in range(3):
-                        dot += gap[i] * slopes[j, i, side]
+                        # how the gap moves with the tangents from k to m
+                        here = own[j, i, side] if j == m else after[j, i, side]
+                        moved[j, i, side] = here - own[j, i, side] if j == k else here
+                        dot += (nodes[m, i] - nodes[k, i]) * moved[j, i, side]
                     for i in range(3):
-                        column[i, side] = p * slopes[j, i, side] + q * dot * gap[i]
-                for i in range(max(k, 1), j + 1):
-                    _add_block(room.hessian, slopes, i, column, j)
+                        gap = nodes[m, i] - nodes[k, i]
+                        column[i, side] = p * moved[j, i, side] + q * dot * gap
+                for i in range(k if k > 0 else 1, j + 1):
+                    _add_block(room.hessian, moved, i, column, j)
 
 
 @kernel
 def _assemble(room, rod, obstacles):
-    """The Hessian of E − λ·r_n, split by the reflections; its size."""
+    """The Hessian of E − λ·r_n, split by the reflections; the largest entry of its diagonal."""
     hessian, w = room.hessian, room.other
-    m = hessian.shape[0]
+    m, largest = hessian.shape[0], 0.0
     for i in range(m):
         for j in range(m):
             hessian[i, j] = 0.0
     add_arcs(rod, room.chords, room.slopes.basis, hessian)
     _add_places(room, rod, obstacles)
-    largest = 0.0
+    if obstacles.density > 0.0:
+        _add_pairs(room, rod, obstacles)
     for i in range(m):
         for j in range(i):
             hessian[i, j] = hessian[j, i]
-        largest = max(largest, abs(hessian[i, i]))
+        if not hessian[i, i] ** 2 <= largest:
+            largest = hessian[i, i] ** 2
     for r in range(3):
         # (1 − β v vᵀ) H (1 − β v vᵀ) = H − v wᵀ − w vᵀ
-        v, beta, dot = room.sides[r], room.size[r], 0.0
+        v, beta, dot = room.constraint.vectors[r], room.constraint.size[r], 0.0
         for i in range(m):
             w[i] = 0.0
         for j in range(m):
-            if v[j] != 0.0:
-                for i in range(m):
-                    w[i] += beta * v[j] * hessian[j, i]
+            for i in range(m):
+                w[i] += beta * v[j] * hessian[j, i]
         for i in range(m):
             dot += v[i] * w[i]
         for i in range(m):
             w[i] -= 0.5 * beta * dot * v[i]
         for i in range(m):
-            vi, wi = v[i], w[i]
             for j in range(m):
-                hessian[i, j] -= vi * w[j] + wi * v[j]
-    return largest
+                hessian[i, j] -= v[i] * w[j] + w[i] * v[j]
+    return math.sqrt(largest)
 
 
 @kernel
@@ -372,124 +350,101 @@ def _factor(room, shift):
     for p in range(3, m):
         if not a[p, p] > 0.0:
             return p
-        inverse = 1.0 / a[p, p]
         for i in range(p + 1, m):
-            f = a[p, i] * inverse
-            if f != 0.0:
-                for j in range(i, m):
-                    a[i, j] -= f * a[p, j]
+            f = a[p, i] / a[p, p]
+            for j in range(i, m):
+                a[i, j] -= f * a[p, j]
     return m
 
 
 @kernel
-def _newton_step(room, shift, least, size):
-    """Fill ``step``; the Hessian is shifted until it is positive definite. Returns the shift."""
-    a, x, m = room.factors, room.step, room.step.shape[0]
-    for _ in range(60):
-        if _factor(room, shift) == m:
-            break
-        shift = max(4.0 * shift, least, 1e-6 * size)
-    for i in range(m):
-        x[i] = 0.0 if i < 3 else -room.gradient[i]
-    for i in range(3, m):
-        f = x[i] / a[i, i]
-        for j in range(i + 1, m):
-            x[j] -= f * a[i, j]
-    for i in range(m - 1, 2, -1):
-        total = x[i]
-        for j in range(i + 1, m):
-            total -= a[i, j] * x[j]
-        x[i] = total / a[i, i]
-    return shift
+def _solve(room, pivot):
+    """Fill ``step`` after `_factor` came to ``pivot``; the energy's slope along it.
 
-
-@kernel
-def _downwards(room, pivot):
-    """Fill ``step`` with a direction of negative curvature, after `_factor` stopped there."""
-    a, x = room.factors, room.step
-    for i in range(x.shape[0]):
-        x[i] = 1.0 if i == pivot else 0.0
-    for i in range(pivot - 1, 2, -1):
-        total = 0.0
-        for j in range(i + 1, pivot + 1):
-            total -= a[i, j] * x[j]
-        x[i] = total / a[i, i]
-
-
-@kernel
-def _energy(rod, bending, obstacles, room):
-    """The total energy of a rod whose bending energy is known."""
-    contact, _ = repel_points(obstacles, rod, room.forces, room.blocks)
-    own, _ = repel_itself(obstacles, rod, room.forces)
-    return bending + contact + own
-
-
-@kernel
-def minimize_arcs(s, tangents, goal, obstacles, tolerance, iterations):
-    """Minimize the energy of a rod among obstacles, from its ``tangents`` (n + 1, 3), in place.
-
-    ``s`` (n + 1,) are the arc lengths of its nodes, ``goal`` (3,) its end. Returns a status, the
-    energies of bending and of contact, whether it is a minimum, and the iterations made. The
-    tangents of a rod that did not converge are those of the last step.
+    Newton's step if all pivots were positive, otherwise a direction of negative curvature and 0.
     """
-    n = s.shape[0] - 1
-    rod = ArcRod(s, tangents, np.zeros((n + 1, 3)))
-    trial = ArcRod(s, tangents.copy(), np.zeros((n + 1, 3)))
-    scratch = ArcRod(s, tangents.copy(), np.zeros((n + 1, 3)))
-    room, basis = _new_room(n), np.zeros((n + 1, 3, 2))
-    closed, bending = close(rod, goal, scratch, room, 200)
-    if not closed:
-        return STALLED, math.inf, math.inf, False, 0
-    m, shift, saddles, hasty = 2 * n - 2, 0.0, 0, 0
-    for iteration in range(iterations):
-        contact, size = _project(room, rod, obstacles)
-        energy = bending + contact
-        largest = _assemble(room, rod, obstacles)
-        if not largest < math.inf:
-            return STALLED, math.inf, math.inf, False, iteration
-        if size <= tolerance:
-            pivot = _factor(room, _FLAT + 1e-13 * largest)
-            if pivot == m or saddles >= _SADDLES:
-                return CONVERGED, bending, contact, pivot == m, iteration
-            saddles += 1
-            _downwards(room, pivot)
-            slope = 0.0
+    a, x, m, slope = room.factors, room.step, room.step.shape[0], 0.0
+    for i in range(m):
+        x[i] = 0.0
+        if i > 2 and pivot == m:
+            x[i] = -room.gradient[i]
+    if pivot < m:
+        x[pivot] = a[pivot, pivot] = 1.0
+    for i in range(3, pivot):
+        for j in range(i + 1, m):
+            x[j] -= x[i] / a[i, i] * a[i, j]
+    last = m - 1 if pivot == m else pivot
+    for i in range(last, 2, -1):
+        for j in range(i + 1, last + 1):
+            x[i] -= x[j] * a[i, j]
+        x[i] /= a[i, i]
+        slope += x[i] * room.gradient[i]
+    return slope if pivot == m else 0.0
+
+
+@kernel
+def minimize_arcs(rod, room, goal, obstacles, tolerance, iterations):
+    """Minimize the energy of a rod among obstacles, from its tangents, in place.
+
+    ``goal`` (3,) is its end. Returns a status, the energies of bending and of repulsion, and
+    whether it is a minimum. A rod that did not converge is that of the last step.
+    """
+    trial, step, m = room.trial, room.step, room.step.shape[0]
+    bending, contact, energy, slope, t = math.inf, math.inf, math.inf, 0.0, 1.0
+    shift, largest, size, saddles, blind, tries, steps = 0.0, 0.0, math.inf, 0, 0, 0, 0
+    copy_rows(rod.tangents, trial.tangents)
+    for _ in range(_TRIALS * iterations):
+        closed, bent = close(trial, goal, room, _FIRST if steps == 0 else _PATIENCE)
+        pushed, effort = repel(obstacles, trial, room.forces, room.blocks)
+        # near a minimum the gain is below rounding: the step is taken for what it is
+        hasty = 0.0 < -slope < _ROUNDING * energy
+        gained = bent + pushed <= energy + _GAIN * t * slope - (_ROUNDING * energy if not slope else 0.0)
+        if closed and (hasty or steps == 0 or gained):
+            copy_rows(trial.tangents, rod.tangents)
+            copy_rows(trial.points, rod.points)
+            bending, contact, energy = bent, pushed, bent + pushed
+            size = _project(room, rod, effort)
+            largest = _assemble(room, rod, obstacles)
+            blind = blind + 1 if hasty else 0
+            # a whole step speaks for the Hessian as it is
+            shift = (0.1 if tries == 0 else 0.5) * shift
+            if shift < 1e-2 or shift < 1e-8 * largest:
+                shift = 0.0
+            tries, steps = 0, steps + 1
+            if steps > iterations:
+                return TOO_MANY_ITERATIONS, bending, contact, False
+            if blind > _BLIND or not (energy < math.inf and largest < math.inf):
+                break
         else:
-            shift = _newton_step(room, shift, 1.0, largest)
-            slope = 0.0
-            for i in range(3, m):
-                slope += room.gradient[i] * room.step[i]
-        for i in range(2, -1, -1):
-            _reflect(room, i, room.step)
-        turned = largest_turn(s, room.step)
-        t = _LEAVE / turned if slope == 0.0 else min(1.0, _STEP / max(turned, 1e-300))
-        for k in range(n + 1):
-            copy_rows(room.slopes.basis[k], basis[k])
-        # near the end the gain is below rounding: the step is taken for what it is
-        blind = -slope < _ROUNDING * (1.0 + energy) and slope != 0.0
-        hasty = hasty + 1 if blind else 0
-        if hasty > 8:
-            return STALLED, bending, contact, False, iteration
-        taken = False
-        for tries in range(30):
-            move(rod, basis, room.step, t, trial)
-            closed, bent = close(trial, goal, scratch, room, 12)
-            if closed:
-                total = _energy(trial, bent, obstacles, room)
-                if total <= energy + _GAIN * t * slope - (0.0 if slope else 1e-12 * energy) or blind:
-                    taken = True
-                    break
+            if steps == 0:
+                break
+            tries += 1
             # a saddle is left on either side
-            t = -t if slope == 0.0 and tries % 2 == 0 else 0.5 * t
-        if not taken:
-            if slope == 0.0:
-                return CONVERGED, bending, contact, False, iteration
-            if size <= 1e3 * tolerance or shift > 1e8 * largest:
-                return STALLED, bending, contact, False, iteration
-            shift = max(16.0 * shift, 1.0, 1e-4 * largest)
-            continue
-        # a whole step speaks for the Hessian as it is
-        shift = 0.0 if shift < 1.0 or shift < 1e-6 * largest else (0.1 if tries == 0 else 0.5) * shift
-        copy_rows(trial.tangents, rod.tangents)
-        bending = trace(rod)
-    return TOO_MANY_ITERATIONS, bending, contact, False, iterations
+            t = -t if slope == 0.0 and tries % 2 == 1 else 0.5 * t
+        if tries == 0 or tries == _TRIALS:
+            flat = size <= tolerance
+            if tries > 0:
+                if flat:
+                    return CONVERGED, bending, contact, False
+                shift = 16.0 * shift + 1.0 + 1e-4 * largest
+                if shift > 1e6 * (1.0 + largest):
+                    break
+            tries, pivot = 0, 0
+            for _ in range(_SHIFTS):
+                pivot = _factor(room, _FLAT + 1e-13 * largest if flat else shift)
+                if flat or pivot == m:
+                    break
+                shift = 4.0 * shift + 0.1 + 1e-7 * largest
+            if flat:
+                if pivot == m or saddles == _SADDLES:
+                    return CONVERGED, bending, contact, pivot == m
+                saddles += 1
+            elif pivot < m:
+                break
+            slope = _solve(room, pivot)
+            for i in range(2, -1, -1):
+                _reflect(room.constraint, i, step)
+            turn = largest_turn(rod.s, step)
+            t = _LEAVE / turn if flat else 1.0 if turn < _STEP else _STEP / turn
+        move(rod, room.slopes.basis, step, t, trial)
+    return STALLED, bending, contact, False

@@ -43,7 +43,7 @@ class ArcRod(NamedTuple):
 
 
 class Slopes(NamedTuple):
-    """First derivatives by the coordinates of tangents; rows 0 and n stay zero."""
+    """First derivatives by the coordinates of tangents; rows 0 and n are not used."""
 
     basis: Array
     """(n + 1, 3, 2): E."""
@@ -51,6 +51,8 @@ class Slopes(NamedTuple):
     """(n + 1, 3, 2): of a node's own place."""
     after: Array
     """(n + 1, 3, 2): of the places of all nodes after it."""
+    bending: Array
+    """(2n − 2,): of the bending energy."""
 
 
 @kernel
@@ -109,7 +111,8 @@ def trace(rod):
 @kernel
 def width(s, k):
     """Half of both arcs at node ``k``."""
-    return 0.5 * (s[min(k + 1, s.shape[0] - 1)] - s[max(k - 1, 0)])
+    low, high = k - 1 if k > 0 else 0, k + 1 if k + 1 < s.shape[0] else k
+    return 0.5 * (s[high] - s[low])
 
 
 @kernel
@@ -121,63 +124,36 @@ def find_slopes(rod, slopes):
         # across the smallest component of u
         least = 0
         for i in range(1, 3):
-            if abs(u[k, i]) < abs(u[k, least]):
+            if u[k, i] ** 2 < u[k, least] ** 2:
                 least = i
-        scale = 1.0 / math.sqrt(width(s, k))
-        size = math.sqrt(1.0 - min(u[k, least] ** 2, 0.5))
+        scale = 1.0 / math.sqrt(width(s, k) * (1.0 - u[k, least] ** 2))
         for i in range(3):
-            side = (1.0 if i == least else 0.0) - u[k, least] * u[k, i]
-            basis[k, i, 0] = scale * side / size
+            basis[k, i, 0] = -scale * u[k, least] * u[k, i]
+        basis[k, least, 0] += scale
         for i in range(3):
             p, q = (i + 1) % 3, (i + 2) % 3
             basis[k, i, 1] = u[k, p] * basis[k, q, 0] - u[k, q] * basis[k, p, 0]
-    for k in range(1, n):
         for side in range(2):
+            slopes.bending[2 * k - 2 + side] = 0.0
             for i in range(3):
-                own[k, i, side] = after[k, i, side] = 0.0
-        for before in range(1, -1, -1):
-            # the arc before the node, then the one after it
-            j, other = (k - 1, k - 1) if before else (k, k + 1)
-            length = s[j + 1] - s[j]
-            _, _, psi, psi1, _ = arc(turning(u, j))
-            for side in range(2):
-                along = 0.0
-                for i in range(3):
-                    along += u[other, i] * basis[k, i, side]
-                for i in range(3):
-                    d = length * (psi * basis[k, i, side] - psi1 * (u[k, i] + u[other, i]) * along)
-                    after[k, i, side] += d
-                    if before:
-                        own[k, i, side] = d
-
-
-@kernel
-def find_gradient(rod, forces, basis, gradient):
-    """Gradient (2n − 2,) of the bending energy under ``forces`` (n, 3) on the chords."""
-    s, u = rod.s, rod.tangents
-    n = s.shape[0] - 1
-    for i in range(2 * n - 2):
-        gradient[i] = 0.0
+                after[k, i, side] = 0.0
     for k in range(n):
         length = s[k + 1] - s[k]
         s0, _, psi, psi1, _ = arc(turning(u, k))
-        a = s0 / length + length * psi1 * _across(forces, u, k)
         for end in range(2):
             node, other = k + end, k + 1 - end
-            if 0 < node < n:
+            if not 0 < node < n:
+                continue
+            for side in range(2):
+                along = 0.0
                 for i in range(3):
-                    slope = length * psi * forces[k, i] - a * u[other, i]
-                    gradient[2 * node - 2] += slope * basis[node, i, 0]
-                    gradient[2 * node - 1] += slope * basis[node, i, 1]
-
-
-@kernel
-def _across(forces, u, k):
-    """γ = G·(u + v) of arc ``k``."""
-    total = 0.0
-    for i in range(3):
-        total += forces[k, i] * (u[k, i] + u[k + 1, i])
-    return total
+                    along += u[other, i] * basis[node, i, side]
+                slopes.bending[2 * node - 2 + side] -= s0 / length * along
+                for i in range(3):
+                    d = psi * basis[node, i, side] - psi1 * (u[k, i] + u[k + 1, i]) * along
+                    after[node, i, side] += length * d
+                    if end == 1:
+                        own[node, i, side] = length * d
 
 
 @kernel
@@ -190,9 +166,11 @@ def add_arcs(rod, forces, basis, hessian):
     for k in range(n):
         length = s[k + 1] - s[k]
         s0, s1, psi, psi1, psi2 = arc(turning(u, k))
-        gamma = _across(forces, u, k)
-        a, b, c = s0 / length + length * psi1 * gamma, s1 / length + length * psi2 * gamma, 0.0
+        gamma = 0.0
+        for i in range(3):
+            gamma += forces[k, i] * (u[k, i] + u[k + 1, i])
         c = length * psi1
+        a, b = s0 / length + c * gamma, s1 / length + length * psi2 * gamma
         for end in range(2):
             node, other = k + end, k + 1 - end
             radial = 0.0
@@ -241,7 +219,9 @@ def move(rod, basis, x, fraction, moved):
 @kernel
 def largest_turn(s, x):
     """Largest turn of a tangent in the step ``x`` (2n − 2,), to first order, rad."""
-    largest = 0.0
+    largest = 1e-300
     for k in range(1, s.shape[0] - 1):
-        largest = max(largest, (x[2 * k - 2] ** 2 + x[2 * k - 1] ** 2) / width(s, k))
+        square = (x[2 * k - 2] ** 2 + x[2 * k - 1] ** 2) / width(s, k)
+        if not square <= largest:
+            largest = square
     return math.sqrt(largest)

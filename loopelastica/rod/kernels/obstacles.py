@@ -35,13 +35,16 @@ class Obstacles(NamedTuple):
     stiffness: float
     density: float
     """Points per length that the rod itself counts as; 0 for none."""
+    low: Any
+    """(3,): scratch, as ``high``: the cells about a node."""
+    high: Any
     apart: float
     """Parts of the rod repel each other from this length of rod between them on, fully from
     twice that."""
 
 
 @kernel
-def repel(square, cutoff):
+def strength(square, cutoff):
     """Energy ½(c − d)², p and q at x² = ``square``: gradient p x, Hessian p 1 + q x xᵀ."""
     d = math.sqrt(square + (SOFTENED * cutoff) ** 2)
     if not d < cutoff:
@@ -50,15 +53,13 @@ def repel(square, cutoff):
 
 
 @kernel
-def repel_points(obstacles, rod, forces, blocks):
-    """Energy of the points, and the sum of their forces' sizes.
+def repel(obstacles, rod, forces, blocks):
+    """Energy of all repulsion, and the sum of the forces' sizes.
 
-    ``forces`` (n + 1, 3) and ``blocks`` (n + 1, 3, 3) become its first and second derivatives by
-    the places of the nodes.
+    ``forces`` (n + 1, 3) become its derivatives by the places of the nodes, ``blocks``
+    (n + 1, 3, 3) the second ones of what the obstacles contribute.
     """
-    points, first, corner, shape = (
-        obstacles.points, obstacles.first, obstacles.corner, obstacles.shape,
-    )  # fmt: skip
+    points, first, shape = obstacles.points, obstacles.first, obstacles.shape
     nodes, n = rod.points, rod.s.shape[0] - 1
     cutoff, energy, effort = obstacles.cutoff, 0.0, 0.0
     for k in range(n + 1):
@@ -66,76 +67,58 @@ def repel_points(obstacles, rod, forces, blocks):
             forces[k, i] = 0.0
             for j in range(3):
                 blocks[k, i, j] = 0.0
-        if not points.shape[0]:
-            continue
+    for k in range(n + 1):
         weight = obstacles.stiffness * width(rod.s, k)
-        a = math.floor((nodes[k, 0] - corner[0]) / obstacles.cell)
-        b = math.floor((nodes[k, 1] - corner[1]) / obstacles.cell)
-        c = math.floor((nodes[k, 2] - corner[2]) / obstacles.cell)
-        low, high = max(c - 1, 0), min(c + 1, shape[2] - 1)
-        if low > high:
-            continue
-        for ia in range(max(a - 1, 0), min(a + 2, shape[0])):
-            for ib in range(max(b - 1, 0), min(b + 2, shape[1])):
-                row = (ia * shape[1] + ib) * shape[2]
-                for at in range(first[row + low], first[row + high + 1]):
+        # the cells of the node and those beside it; one row of them is one range of points
+        low, high = obstacles.low, obstacles.high
+        for i in range(3):
+            at = math.floor((nodes[k, i] - obstacles.corner[i]) / obstacles.cell)
+            low[i] = at - 1 if at > 1 else 0
+            high[i] = at + 2 if at + 2 < shape[i] else shape[i]
+        for a in range(low[0], high[0]):
+            for b in range(low[1], high[1]):
+                row = (a * shape[1] + b) * shape[2]
+                if low[2] >= high[2]:
+                    continue
+                for at in range(first[row + low[2]], first[row + high[2]]):
                     x = nodes[k, 0] - points[at, 0]
                     y = nodes[k, 1] - points[at, 1]
                     z = nodes[k, 2] - points[at, 2]
                     square = x * x + y * y + z * z
-                    if not square < cutoff * cutoff:
-                        continue
-                    e, p, q = repel(square, cutoff)
-                    energy += weight * e
-                    p, q = weight * p, weight * q
-                    if 0 < k < n:
-                        effort += abs(p) * math.sqrt(square)
-                    forces[k, 0] += p * x
-                    forces[k, 1] += p * y
-                    forces[k, 2] += p * z
-                    blocks[k, 0, 0] += p + q * x * x
-                    blocks[k, 1, 1] += p + q * y * y
-                    blocks[k, 2, 2] += p + q * z * z
-                    blocks[k, 0, 1] += q * x * y
-                    blocks[k, 0, 2] += q * x * z
-                    blocks[k, 1, 2] += q * y * z
-        blocks[k, 1, 0], blocks[k, 2, 0] = blocks[k, 0, 1], blocks[k, 0, 2]
-        blocks[k, 2, 1] = blocks[k, 1, 2]
+                    if square < cutoff * cutoff:
+                        e, p, q = strength(square, cutoff)
+                        energy += weight * e
+                        if 0 < k < n:
+                            effort -= weight * p * math.sqrt(square)
+                        for i in range(3):
+                            gap = weight * (nodes[k, i] - points[at, i])
+                            forces[k, i] += p * gap
+                            blocks[k, i, i] += p * weight
+                            for j in range(3):
+                                blocks[k, i, j] += q * gap * (nodes[k, j] - points[at, j])
+        if obstacles.density > 0.0:
+            for m in range(k + 2, n + 1):
+                e, p, _ = repel_pair(obstacles, rod, k, m)
+                energy += e
+                for i in range(3):
+                    gap = p * (nodes[m, i] - nodes[k, i])
+                    forces[m, i] += gap
+                    forces[k, i] -= gap
+                    effort += abs(gap)
     return energy, effort
 
 
 @kernel
 def repel_pair(obstacles, rod, k, m):
-    """Energy, p and q (`repel`) of two nodes of the rod, with their weights."""
-    s, nodes = rod.s, rod.points
-    ramp = min((s[m] - s[k]) / obstacles.apart - 1.0, 1.0)
-    if not ramp > 0.0:
-        return 0.0, 0.0, 0.0
-    square = 0.0
+    """Energy, p and q (`strength`) of the nodes k < m of the rod, with their weights."""
+    s, nodes, cutoff = rod.s, rod.points, obstacles.cutoff
+    ramp, square = (s[m] - s[k]) / obstacles.apart - 1.0, 0.0
     for i in range(3):
         square += (nodes[m, i] - nodes[k, i]) ** 2
-    if not square < obstacles.cutoff**2:
+    if not (ramp > 0.0 and square < cutoff * cutoff):
         return 0.0, 0.0, 0.0
-    weight = obstacles.stiffness * obstacles.density * ramp * width(s, k) * width(s, m)
-    e, p, q = repel(square, obstacles.cutoff)
+    weight = obstacles.stiffness * obstacles.density * width(s, k) * width(s, m)
+    if ramp < 1.0:
+        weight *= ramp
+    e, p, q = strength(square, cutoff)
     return weight * e, weight * p, weight * q
-
-
-@kernel
-def repel_itself(obstacles, rod, forces):
-    """Energy of the rod's own repulsion and the sum of its forces' sizes; adds to ``forces``."""
-    nodes, n = rod.points, rod.s.shape[0] - 1
-    energy, effort = 0.0, 0.0
-    if not obstacles.density > 0.0:
-        return energy, effort
-    for k in range(n):
-        for m in range(k + 2, n + 1):
-            e, p, _ = repel_pair(obstacles, rod, k, m)
-            energy += e
-            if p != 0.0:
-                for i in range(3):
-                    gap = nodes[m, i] - nodes[k, i]
-                    forces[m, i] += p * gap
-                    forces[k, i] -= p * gap
-                    effort += abs(p * gap)
-    return energy, effort
