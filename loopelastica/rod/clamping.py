@@ -20,7 +20,7 @@ _ORTHONORMAL = 1e-4
 _ROUNDING = 1e-14
 
 
-def _nearest_rotation(rotation: Array, name: str = "rotation") -> Array:
+def nearest_rotation(rotation: Array, name: str = "rotation") -> Array:
     """The rotation nearest to an almost orthonormal matrix; ValueError if it is not near one."""
     if rotation.shape != (3, 3):
         raise ValueError(f"`{name}` has shape {rotation.shape}; it must be (3, 3)")
@@ -87,7 +87,7 @@ class Clamping(Record):
             raise ValueError(f"`position` has shape {position.shape}; it must be (3,)")
         if not np.isfinite(position).all():
             raise ValueError("`position` has an entry that is not finite")
-        rotation = _nearest_rotation(array("rotation", self.rotation))
+        rotation = nearest_rotation(array("rotation", self.rotation))
         object.__setattr__(self, "position", read_only(position))
         object.__setattr__(self, "rotation", read_only(rotation))
         object.__setattr__(self, "free_spin", check_flag("free_spin", self.free_spin))
@@ -168,8 +168,8 @@ class Clamping(Record):
             If `length` is not positive and finite, or a frame is no rotation.
         """
         length = positive("length", length)
-        frame = _nearest_rotation(array("start_frame", start_frame), "start_frame")
-        end = _nearest_rotation(array("end_frame", end_frame), "end_frame")
+        frame = nearest_rotation(array("start_frame", start_frame), "start_frame")
+        end = nearest_rotation(array("end_frame", end_frame), "end_frame")
         origins = array("start_origin", start_origin), array("end_origin", end_origin)
         for name, origin in zip(("start_origin", "end_origin"), origins, strict=True):
             if origin.shape != (3,) or not np.isfinite(origin).all():

@@ -1,0 +1,450 @@
+"""The rod of circular arcs that has least energy among points that repel it.
+
+The only constraint is where the rod ends: three equations, r_n = r. Every iterate fulfils them.
+
+1. Newton's method in the space of steps that keep the end in place to first order. Three Householder
+   reflections split it off; the multiplier λ, the force at the end, follows from them too. There
+   the Hessian of E − λ·r_n, of order 2n − 5, is exact; where it is not positive definite, σ 1 is
+   added. It is dense since places are integrals of tangents.
+2. A line search on the energy. Each trial is brought back to r_n = r by the shortest way (`close`).
+3. Where the gradient is small, the Hessian's factors LDLᵀ tell a minimum from a saddle. A saddle is
+   left along a direction of negative curvature.
+
+The loop evaluates one trial each time, so that every part is called from one place and compiled
+once.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from loopelastica._arrays import Array
+from loopelastica.rod.kernels.arc_rod import (
+    ArcRod,
+    Slopes,
+    add_arcs,
+    find_slopes,
+    largest_turn,
+    move,
+    trace,
+)
+from loopelastica.rod.kernels.jit import kernel
+from loopelastica.rod.kernels.linalg import copy_rows
+from loopelastica.rod.kernels.obstacles import repel, repel_pair
+from loopelastica.rod.kernels.records import Status
+
+CONVERGED, STALLED = int(Status.CONVERGED), int(Status.STALLED)
+TOO_MANY_ITERATIONS = int(Status.TOO_MANY_ITERATIONS)
+
+# largest turn of a tangent in one step, rad
+_STEP = 0.5
+# |r_n − r| of a closed rod; what rounding may leave of it
+_CLOSED, _NEARLY_CLOSED = 1e-13, 1e-12
+# trials of `close`, at first and within a line search
+_FIRST, _PATIENCE = 300, 16
+# of the energy's slope in a step, the share that must be gained; rounding, relative to the energy;
+# steps whose gain is below it
+_GAIN, _ROUNDING, _BLIND = 1e-4, 1e-13, 8
+# curvature, K0/L per square of an L2 norm, that counts as none: a turn about the line of both ends
+_FLAT = 1e-3
+# turn of a step away from a saddle, rad, and how many are made
+_LEAVE, _SADDLES = 0.2, 6
+# trials along one step; shifts of one Hessian
+_TRIALS, _SHIFTS = 14, 60
+
+
+class Constraint(NamedTuple):
+    """Slopes of the end's place, transposed, as reflectors times R; m = 2n − 2 coordinates."""
+
+    vectors: Array
+    """(3, m): v of the reflections 1 − size v vᵀ."""
+    size: Array
+    """(3,)."""
+    upper: Array
+    """(3, 3): R."""
+
+
+class Room(NamedTuple):
+    """Scratch for rods of n arcs; m = 2n − 2 coordinates."""
+
+    trial: ArcRod
+    closer: ArcRod
+    slopes: Slopes
+    closing: Slopes
+    """As ``slopes``, of trials on their way to the end."""
+    constraint: Constraint
+    closing_constraint: Constraint
+    forces: Array
+    """(n + 1, 3): gradients of the repulsion by places."""
+    blocks: Array
+    """(n + 1, 3, 3): second derivatives by one place each."""
+    chords: Array
+    """(n, 3): forces on the chords."""
+    gap_slopes: Array
+    """(n + 1, 3, 2)."""
+    gradient: Array
+    """(m,), as ``step`` and ``other``."""
+    step: Array
+    other: Array
+    hessian: Array
+    """(m, m), as ``factors``."""
+    factors: Array
+
+
+def new_rod(s: Array) -> ArcRod:
+    """Room for a rod with nodes at the arc lengths ``s`` (n + 1,)."""
+    return ArcRod(s, np.zeros((len(s), 3)), np.zeros((len(s), 3)))
+
+
+def new_room(s: Array) -> Room:
+    """Scratch for rods with nodes at the arc lengths ``s`` (n + 1,)."""
+    n = len(s) - 1
+    m = 2 * n - 2
+    slopes = [Slopes(*np.zeros((3, n + 1, 3, 2)), np.zeros(m)) for _ in range(2)]
+    constraints = [Constraint(np.zeros((3, m)), np.zeros(3), np.zeros((3, 3))) for _ in range(2)]
+    return Room(
+        new_rod(s),
+        new_rod(s),
+        *slopes,
+        *constraints,
+        np.zeros((n + 1, 3)),
+        np.zeros((n + 1, 3, 3)),
+        np.zeros((n, 3)),
+        np.zeros((n + 1, 3, 2)),
+        *np.zeros((3, m)),
+        *np.zeros((2, m, m)),
+    )
+
+
+@kernel
+def _constrain(slopes, constraint):
+    """Fill ``constraint`` by Householder's reflections."""
+    v, size, upper = constraint.vectors, constraint.size, constraint.upper
+    m = v.shape[1]
+    for q in range(m):
+        for i in range(3):
+            v[i, q] = slopes.after[q // 2 + 1, i, q % 2]
+    for i in range(3):
+        square = 0.0
+        for q in range(i, m):
+            square += v[i, q] ** 2
+        root = math.sqrt(square)
+        if v[i, i] > 0.0:
+            root = -root
+        for j in range(i):
+            # R above the diagonal, from the reflections before
+            upper[j, i] = v[i, j]
+            v[i, j] = 0.0
+        upper[i, i] = root
+        # v·v/2 once v has lost R's diagonal
+        half = square - root * v[i, i]
+        v[i, i] -= root
+        size[i] = 1.0 / half if half > 1e-290 else 0.0
+        for j in range(i + 1, 3):
+            _reflect(constraint, i, v[j])
+
+
+@kernel
+def _reflect(constraint, i, x):
+    """Apply reflection ``i`` to ``x`` (m,)."""
+    v, dot = constraint.vectors[i], 0.0
+    for q in range(i, x.shape[0]):
+        dot += v[q] * x[q]
+    dot *= constraint.size[i]
+    for q in range(i, x.shape[0]):
+        x[q] -= dot * v[q]
+
+
+@kernel
+def close(rod, goal, room, patience):
+    """Bring the rod's end to ``goal`` (3,) by the shortest way, all its tangents turning.
+
+    Returns whether it is there, and the bending energy.
+    """
+    closer, slopes, x = room.closer, room.closing, room.other
+    constraint, upper = room.closing_constraint, room.closing_constraint.upper
+    miss, energy, t, tries = math.inf, math.inf, 1.0, 0
+    copy_rows(rod.tangents, closer.tangents)
+    for _ in range(patience):
+        here = trace(closer)
+        square = 0.0
+        for i in range(3):
+            square += (closer.points[-1, i] - goal[i]) ** 2
+        if here < math.inf and square < miss * miss:
+            copy_rows(closer.tangents, rod.tangents)
+            copy_rows(closer.points, rod.points)
+            miss, energy, tries = math.sqrt(square), here, 0
+            if miss <= _CLOSED:
+                break
+            find_slopes(rod, slopes)
+            _constrain(slopes, constraint)
+            # the least x with (slopes) x = goal − r_n: Rᵀ y = that, x = Q y
+            for q in range(x.shape[0]):
+                x[q] = 0.0
+            for i in range(3):
+                rest = goal[i] - rod.points[-1, i]
+                for j in range(i):
+                    rest -= upper[j, i] * x[j]
+                x[i] = rest / upper[i, i] if upper[i, i] ** 2 > 1e-24 else 0.0
+            for i in range(2, -1, -1):
+                _reflect(constraint, i, x)
+            turn = largest_turn(rod.s, x)
+            t = 1.0 if turn < _STEP else _STEP / turn
+        else:
+            tries += 1
+            t *= 0.5
+            if tries > 12 or miss == math.inf:
+                break
+        move(rod, slopes.basis, x, t, closer)
+    return miss < _NEARLY_CLOSED, energy
+
+
+@kernel
+def _project(room, rod, effort):
+    """The gradient, split by the reflections, and the forces on the chords, −λ among them.
+
+    Returns the gradient's size along the constraint, relative to all forces at work.
+    """
+    slopes, forces, chords, gradient = room.slopes, room.forces, room.chords, room.gradient
+    n, upper = rod.s.shape[0] - 1, room.constraint.upper
+    find_slopes(rod, slopes)
+    for i in range(3):
+        # the end's place is given: the force on it is no concern of the rod's
+        chords[n - 1, i] = 0.0
+    for k in range(n - 1, 0, -1):
+        for side in range(2):
+            at = 2 * k - 2 + side
+            gradient[at] = slopes.bending[at]
+            for i in range(3):
+                gradient[at] += (
+                    slopes.own[k, i, side] * forces[k, i] + slopes.after[k, i, side] * chords[k, i]
+                )
+        for i in range(3):
+            chords[k - 1, i] = chords[k, i] + forces[k, i]
+    _constrain(slopes, room.constraint)
+    size, along = 0.0, 0.0
+    for i in range(3):
+        _reflect(room.constraint, i, gradient)
+    for q in range(gradient.shape[0]):
+        size += gradient[q] ** 2
+        if q > 2:
+            along += gradient[q] ** 2
+    # R λ = the first three components
+    for i in range(2, -1, -1):
+        force = gradient[i]
+        for j in range(i + 1, 3):
+            force -= upper[i, j] * gradient[j]
+        gradient[i] = force / upper[i, i] if upper[i, i] ** 2 > 1e-24 else 0.0
+    for k in range(n):
+        for i in range(3):
+            chords[k, i] -= gradient[i]
+    return math.sqrt(along) / (1.0 + math.sqrt(size) + effort)
+
+
+@kernel
+def _add_places(room, rod, obstacles):
+    """Add to the upper triangle of the Hessian what is due to the places of nodes."""
+    own, after, hessian, blocks = room.slopes.own, room.slopes.after, room.hessian, room.blocks
+    n, total, column = rod.s.shape[0] - 1, np.zeros((3, 3)), room.gap_slopes
+    for j in range(n - 1, 0, -1):
+        # the place j moves by ``own``, all after it by ``after``
+        for side in range(2):
+            for i in range(3):
+                column[0, i, side] = column[1, i, side] = 0.0
+                for k in range(3):
+                    column[0, i, side] += total[i, k] * after[j, k, side]
+                    column[1, i, side] += blocks[j, i, k] * own[j, k, side]
+        for part in range(2):
+            for i in range(1, j + 1):
+                _add_block(hessian, own if part == 1 and i == j else after, i, column[part], j)
+        for i in range(3):
+            for k in range(3):
+                total[i, k] += blocks[j, i, k]
+
+
+@kernel
+def _add_block(hessian, rows, i, column, j):
+    """Add rowsᵀ column, of tangents ``i`` ≤ ``j``, to the Hessian."""
+    for p in range(2):
+        for q in range(2):
+            for k in range(3):
+                hessian[2 * i - 2 + p, 2 * j - 2 + q] += rows[i, k, p] * column[k, q]
+
+
+@kernel
+def _add_pairs(room, rod, obstacles):
+    """Add what is due to the repulsion between pairs of nodes."""
+    own, after, nodes, moved = room.slopes.own, room.slopes.after, rod.points, room.gap_slopes
+    n = rod.s.shape[0] - 1
+    column = room.slopes.basis[0]
+    for k in range(n):
+        for m in range(k + 2, n + 1):
+            _, p, q = repel_pair(obstacles, rod, k, m)
+            if p == 0.0:
+                continue
+            for j in range(k, m + 1):
+                if not 0 < j < n:
+                    continue
+                for side in range(2):
+                    dot = 0.0
+                    for i in range(3):
+                        # how the gap moves with the tangents from k to m
+                        here = own[j, i, side] if j == m else after[j, i, side]
+                        moved[j, i, side] = here - own[j, i, side] if j == k else here
+                        dot += (nodes[m, i] - nodes[k, i]) * moved[j, i, side]
+                    for i in range(3):
+                        gap = nodes[m, i] - nodes[k, i]
+                        column[i, side] = p * moved[j, i, side] + q * dot * gap
+                for i in range(k if k > 0 else 1, j + 1):
+                    _add_block(room.hessian, moved, i, column, j)
+
+
+@kernel
+def _assemble(room, rod, obstacles):
+    """The Hessian of E − λ·r_n, split by the reflections; the largest entry of its diagonal."""
+    hessian, w = room.hessian, room.other
+    m, largest = hessian.shape[0], 0.0
+    for i in range(m):
+        for j in range(m):
+            hessian[i, j] = 0.0
+    add_arcs(rod, room.chords, room.slopes.basis, hessian)
+    _add_places(room, rod, obstacles)
+    if obstacles.density > 0.0:
+        _add_pairs(room, rod, obstacles)
+    for i in range(m):
+        for j in range(i):
+            hessian[i, j] = hessian[j, i]
+        if not hessian[i, i] ** 2 <= largest:
+            largest = hessian[i, i] ** 2
+    for r in range(3):
+        # (1 − β v vᵀ) H (1 − β v vᵀ) = H − v wᵀ − w vᵀ
+        v, beta, dot = room.constraint.vectors[r], room.constraint.size[r], 0.0
+        for i in range(m):
+            w[i] = 0.0
+        for j in range(m):
+            for i in range(m):
+                w[i] += beta * v[j] * hessian[j, i]
+        for i in range(m):
+            dot += v[i] * w[i]
+        for i in range(m):
+            w[i] -= 0.5 * beta * dot * v[i]
+        for i in range(m):
+            for j in range(m):
+                hessian[i, j] -= v[i] * w[j] + w[i] * v[j]
+    return math.sqrt(largest)
+
+
+@kernel
+def _factor(room, shift):
+    """LDLᵀ of the Hessian + ``shift`` along the constraint, up to its first pivot not positive.
+
+    Row i of ``factors`` holds D_i Lᵀ_i from the diagonal on. Returns that pivot, m if there is none.
+    """
+    a, hessian = room.factors, room.hessian
+    m = a.shape[0]
+    for i in range(3, m):
+        for j in range(i, m):
+            a[i, j] = hessian[i, j]
+        a[i, i] += shift
+    for p in range(3, m):
+        if not a[p, p] > 0.0:
+            return p
+        for i in range(p + 1, m):
+            f = a[p, i] / a[p, p]
+            for j in range(i, m):
+                a[i, j] -= f * a[p, j]
+    return m
+
+
+@kernel
+def _solve(room, pivot):
+    """Fill ``step`` after `_factor` came to ``pivot``; the energy's slope along it.
+
+    Newton's step if all pivots were positive, otherwise a direction of negative curvature and 0.
+    """
+    a, x, m, slope = room.factors, room.step, room.step.shape[0], 0.0
+    for i in range(m):
+        x[i] = 0.0
+        if i > 2 and pivot == m:
+            x[i] = -room.gradient[i]
+    if pivot < m:
+        x[pivot] = a[pivot, pivot] = 1.0
+    for i in range(3, pivot):
+        for j in range(i + 1, m):
+            x[j] -= x[i] / a[i, i] * a[i, j]
+    last = m - 1 if pivot == m else pivot
+    for i in range(last, 2, -1):
+        for j in range(i + 1, last + 1):
+            x[i] -= x[j] * a[i, j]
+        x[i] /= a[i, i]
+        slope += x[i] * room.gradient[i]
+    return slope if pivot == m else 0.0
+
+
+@kernel
+def minimize_arcs(rod, room, goal, obstacles, tolerance, iterations):
+    """Minimize the energy of a rod among obstacles, from its tangents, in place.
+
+    ``goal`` (3,) is its end. Returns a status, the energies of bending and of repulsion, and
+    whether it is a minimum. A rod that did not converge is that of the last step.
+    """
+    trial, step, m = room.trial, room.step, room.step.shape[0]
+    bending, contact, energy, slope, t = math.inf, math.inf, math.inf, 0.0, 1.0
+    shift, largest, size, saddles, blind, tries, steps = 0.0, 0.0, math.inf, 0, 0, 0, 0
+    copy_rows(rod.tangents, trial.tangents)
+    for _ in range(_TRIALS * iterations):
+        closed, bent = close(trial, goal, room, _FIRST if steps == 0 else _PATIENCE)
+        pushed, effort = repel(obstacles, trial, room.forces, room.blocks)
+        # near a minimum the gain is below rounding: the step is taken for what it is
+        hasty = 0.0 < -slope < _ROUNDING * energy
+        gained = bent + pushed <= energy + _GAIN * t * slope - (_ROUNDING * energy if not slope else 0.0)
+        if closed and (hasty or steps == 0 or gained):
+            copy_rows(trial.tangents, rod.tangents)
+            copy_rows(trial.points, rod.points)
+            bending, contact, energy = bent, pushed, bent + pushed
+            size = _project(room, rod, effort)
+            largest = _assemble(room, rod, obstacles)
+            blind = blind + 1 if hasty else 0
+            # a whole step speaks for the Hessian as it is
+            shift = (0.1 if tries == 0 else 0.5) * shift
+            if shift < 1e-2 or shift < 1e-8 * largest:
+                shift = 0.0
+            tries, steps = 0, steps + 1
+            if steps > iterations:
+                return TOO_MANY_ITERATIONS, bending, contact, False
+            if blind > _BLIND or not (energy < math.inf and largest < math.inf):
+                break
+        else:
+            if steps == 0:
+                break
+            tries += 1
+            # a saddle is left on either side
+            t = -t if slope == 0.0 and tries % 2 == 1 else 0.5 * t
+        if tries == 0 or tries == _TRIALS:
+            flat = size <= tolerance
+            if tries > 0:
+                if flat:
+                    return CONVERGED, bending, contact, False
+                shift = 16.0 * shift + 1.0 + 1e-4 * largest
+                if shift > 1e6 * (1.0 + largest):
+                    break
+            tries, pivot = 0, 0
+            for _ in range(_SHIFTS):
+                pivot = _factor(room, _FLAT + 1e-13 * largest if flat else shift)
+                if flat or pivot == m:
+                    break
+                shift = 4.0 * shift + 0.1 + 1e-7 * largest
+            if flat:
+                if pivot == m or saddles == _SADDLES:
+                    return CONVERGED, bending, contact, pivot == m
+                saddles += 1
+            elif pivot < m:
+                break
+            slope = _solve(room, pivot)
+            for i in range(2, -1, -1):
+                _reflect(room.constraint, i, step)
+            turn = largest_turn(rod.s, step)
+            t = _LEAVE / turn if flat else 1.0 if turn < _STEP else _STEP / turn
+        move(rod, room.slopes.basis, step, t, trial)
+    return STALLED, bending, contact, False
