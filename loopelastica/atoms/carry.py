@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,6 +35,16 @@ def helix_twist(strand: Strand) -> float:
     '15.7'
     """
     return math.radians(strand.turn_deg) * strand.rise_A / line_length_A(strand)
+
+
+class Curve(Protocol):
+    """What nucleotides are laid on: a line with frames."""
+
+    def at(self, phases: ArrayLike) -> tuple[Array, Array]:
+        """Points (m, 3), Å, and frames (m, 3, 3), columns d1 d2 d3, at the phases (m,).
+
+        The strand's nucleotides have the phases 1 … n; d3 is the tangent, 5' to 3'.
+        """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
