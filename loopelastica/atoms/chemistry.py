@@ -225,6 +225,9 @@ def _nucleotide(residue: Residue, names: frozenset[str] | None = None) -> Any:
     if names is not None:
         unwanted = [a.GetIdx() for a in mol.GetAtoms() if a.GetProp("name") not in names]
         for row in reversed(unwanted):
+            for neighbour in mol.GetAtomWithIdx(row).GetNeighbors():
+                # what has lost a neighbour has no hand
+                neighbour.SetChiralTag(Chem.ChiralType.CHI_UNSPECIFIED)
             mol.RemoveAtom(row)
     return mol.GetMol()
 

@@ -32,6 +32,8 @@ from loopelastica.molecule.nucleotides import BACKBONE
 
 TETHER_SD_A: Final = 2.0
 """How weakly each atom is held to where the line has carried it."""
+LOOSE_LINE_SD_A: Final = 4.0
+"""How near the centroids are held to the line where it stands in the way of sound atoms."""
 FLOOR_A: Final = 2.4
 """Nearer than this no two atoms may be, but for nitrogen or oxygen and a metal."""
 METAL_POLAR_A: Final = 2.05
@@ -102,9 +104,17 @@ class Problem:
         )
 
     def restraints(
-        self, centers: Array, line_sd: float, start: Array, phases_deg: Array | None = None
+        self,
+        centers: Array,
+        line_sd: float,
+        start: Array,
+        phases_deg: Array | None = None,
+        stress: Array | float = 1.0,
     ) -> Restraints:
-        """All restraints of one attempt; `start` (N, 3) in rows of the molecule."""
+        """All restraints of one attempt; `start` (N, 3) in rows of the molecule.
+
+        `stress` (p,) makes bonds and angles so many times stiffer than they are.
+        """
         quads, volume, volume_sd = self.quads, self.volume, self.volume_sd
         if phases_deg is not None:
             more, size = ring_quads(self.rings, phases_deg)
@@ -116,7 +126,7 @@ class Problem:
             n_moving=n_moving,
             pairs=self.pairs,
             length_A=self.length_A,
-            length_sd=self.length_sd,
+            length_sd=self.length_sd / stress,
             quads=quads,
             volume=volume,
             volume_sd=volume_sd,
@@ -168,15 +178,12 @@ def minimum(
     restraints = problem.restraints(centers, line_sd, start)
     loose = relax(restraints, whole, stages=STAGES[:2], max_seconds=max_seconds)
     whole = np.array(loose.positions_A)
-    phases = np.array([phase for phase, _ in puckers(whole, problem.rings)])
-    away = np.abs((phases[:, None] - np.array(PUCKERS_DEG) + 180.0) % 360.0 - 180.0)
     place = np.empty((len(order), 3))
     place[order] = whole[: len(order)]
     right_phosphates(site, place)
     whole[: len(order)] = place[order]
-    pucker_deg = np.array(PUCKERS_DEG)[away.argmin(axis=1)]
     strict = relax(
-        problem.restraints(centers, line_sd, start, pucker_deg),
+        problem.restraints(centers, line_sd, start, _near_puckers(whole, problem.rings)),
         whole,
         stages=STAGES[2:],
         max_steps=max_steps,
@@ -184,6 +191,56 @@ def minimum(
     )
     place[order] = strict.positions_A[: len(order)]
     return Relaxed(place, strict.status, loose.steps + strict.steps, strict.cost)
+
+
+def mended(
+    problem: Problem,
+    centers: Array,
+    relaxed: Relaxed,
+    stress: Array,
+    max_steps: int,
+    max_seconds: float,
+) -> Relaxed:
+    """A minimum near to another one, the line nearly let go, some bonds and angles made stiffer.
+
+    Parameters
+    ----------
+    problem : Problem
+        The strand's molecule and what is around.
+    centers : (n, 3) array
+        Points of the line, Å.
+    relaxed : Relaxed
+        The other minimum.
+    stress : (p,) array
+        How many times stiffer.
+    max_steps, max_seconds : int, float
+        Limits of the minimization.
+
+    Returns
+    -------
+    Relaxed
+    """
+    order = problem.order
+    there = np.array(relaxed.positions_A)
+    whole = np.concatenate([there[order], problem.site.around.positions_A])
+    phases = _near_puckers(whole, problem.rings)
+    again = relax(
+        problem.restraints(centers, LOOSE_LINE_SD_A, there, phases, stress),
+        whole,
+        stages=STAGES[2:],
+        max_steps=max_steps,
+        max_seconds=max_seconds,
+    )
+    place = np.empty((len(order), 3))
+    place[order] = again.positions_A[: len(order)]
+    return Relaxed(place, again.status, relaxed.steps + again.steps, again.cost)
+
+
+def _near_puckers(positions: Array, rings: Index) -> Array:
+    """Of the two usual puckers the one next to each sugar's own, degrees."""
+    phases = np.array([phase for phase, _ in puckers(positions, rings)])
+    away = np.abs((phases[:, None] - np.array(PUCKERS_DEG) + 180.0) % 360.0 - 180.0)
+    return np.array(PUCKERS_DEG)[away.argmin(axis=1)]
 
 
 def right_phosphates(site: Site, positions: Array) -> None:

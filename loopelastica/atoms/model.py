@@ -167,7 +167,7 @@ def _candidate(
 ) -> AtomModel:
     assert fold.ends is not None
     line = Line.between(candidate.rod, fold.ends, ideal_strand(fold.hairpin.is_dna))
-    best, combinations = best_on(site, line, limits, contact=contact)
+    best, combinations, _ = best_on(site, line, limits, contact=contact)
     return AtomModel(
         candidate.rank,
         site.molecule,

@@ -18,16 +18,18 @@ import numpy as np
 from loopelastica._arrays import Array
 from loopelastica.atoms.carry import Curve
 from loopelastica.atoms.checks import Checks, check
-from loopelastica.atoms.minimum import Problem, minimum
+from loopelastica.atoms.measures import angles_deg, bond_lengths
+from loopelastica.atoms.minimum import Problem, mended, minimum
 from loopelastica.atoms.relax import Relaxed
 from loopelastica.atoms.site import Site
-from loopelastica.atoms.start import moved_out, shifted, start_on
+from loopelastica.atoms.start import start_on
 from loopelastica.atoms.turn import Turns, turned
 
 LINE_SD_A: Final = (0.3, 1.0, 3.0)
 """How near the backbone centroids are held to the line. The next one is for lines from which no
 sound model has come: a rod has no thickness and may run through the stem or itself. The nucleotides
 are then moved out of the way first."""
+MENDINGS: Final = 3
 MOST_TRIES: Final = 12
 """Combinations of Ω and χ that are tried in all where the first ones give no sound model."""
 
@@ -77,7 +79,7 @@ class Attempt:
 
 def best_on(
     site: Site, line: Curve, limits: Limits, *, contact: str | None = None
-) -> tuple[Attempt, list[Turns]]:
+) -> tuple[Attempt, list[Turns], int]:
     """The best model on a line, and the combinations of Ω and χ, best first.
 
     Parameters
@@ -92,7 +94,7 @@ def best_on(
 
     Returns
     -------
-    Attempt, list of Turns
+    Attempt, list of Turns, int
     """
     end = time.monotonic() + limits.max_seconds
     problem = Problem.at(site)
@@ -107,26 +109,39 @@ def best_on(
     )
     centers = np.round(line.at(np.arange(1, site.molecule.n + 1))[0], 6)
     attempts: list[Attempt] = []
-    for turns, line_sd, out in _schedule(combinations, limits.tries):
+    for turns, line_sd in product_of(combinations):
         start = start_on(site, line, turns)
-        shift = moved_out(site, start) if out else np.zeros_like(centers)
         relaxed = minimum(
-            problem, centers + shift, line_sd, shifted(site, start, shift), limits.max_steps,
-            max(end - time.monotonic(), 0.0),
-        )  # fmt: skip
+            problem, centers, line_sd, start, limits.max_steps, max(end - time.monotonic(), 0.0)
+        )
         checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
+        stress = np.ones(len(problem.pairs))
+        for _ in range(MENDINGS):
+            if checks.sound or time.monotonic() > end:
+                break
+            stress *= _stress(site, relaxed.positions_A)
+            relaxed = mended(problem, centers, relaxed, stress, limits.max_steps,
+                             max(end - time.monotonic(), 0.0))  # fmt: skip
+            checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
         attempts.append(Attempt(turns, start, relaxed, checks))
         if sum(attempt.checks.sound for attempt in attempts) == limits.tries:
             break
         if time.monotonic() > end:
             break
-    return min(attempts, key=lambda attempt: attempt.order), combinations
+    best = min(attempts, key=lambda attempt: attempt.order)
+    return best, combinations, len(attempts)
 
 
-def _schedule(combinations: list[Turns], tries: int) -> Iterator[tuple[Turns, float, bool]]:
-    """Combination, how near to the line, and whether nucleotides are moved out of the way first."""
-    few = max(tries, 3)
-    for chosen in (combinations[:few], combinations[few:]):
-        for attempt, line_sd in enumerate(LINE_SD_A):
-            for turns in chosen:
-                yield turns, line_sd, attempt > 0
+def product_of(combinations: list[Turns]) -> Iterator[tuple[Turns, float]]:
+    """Combination, and how near to the line."""
+    for line_sd in LINE_SD_A:
+        for turns in combinations:
+            yield turns, line_sd
+
+
+def _stress(site: Site, positions: Array) -> Array:
+    """How much stiffer bonds and angles become that are far from ideal."""
+    geometry = site.geometry
+    bond = np.abs(bond_lengths(positions, geometry.bonds) - geometry.length_A)
+    angle = np.abs(angles_deg(positions, geometry.angles) - geometry.angle_deg)
+    return np.concatenate([np.where(bond > 0.04, 2.0, 1.0), np.where(angle > 7.5, 2.0, 1.0)])

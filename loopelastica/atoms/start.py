@@ -1,7 +1,8 @@
-"""Where the atoms start: on the line, Ω and χ chosen, moved out of the stem where they must."""
+"""Where the atoms start: on the line, Ω and χ chosen."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -16,8 +17,6 @@ from loopelastica.atoms.turn import Turns, place
 from loopelastica.molecule.strands import ideal_strand
 
 FEWEST_FITTED: Final = 3
-_PUSHES: Final = 100
-_PUSH_A: Final = 3.5
 
 
 def start_on(site: Site, line: Curve, turns: Turns) -> Array:
@@ -79,80 +78,22 @@ def _on_line(molecule: LoopMolecule, line: Curve, turns: Turns, k: int) -> dict[
     )
 
 
-def moved_out(site: Site, start: Array) -> Array:
-    """Shifts (n, 3) that take whole nucleotides out of the stem and of each other, Å.
-
-    No atom can pass through a ring once the chemistry is restored; a rigid nucleotide can before.
-
-    Parameters
-    ----------
-    site : Site
-        Where the loop is built.
-    start : (N, 3) array
-        Positions, Å.
-
-    Returns
-    -------
-    (n, 3) array
-    """
-    n = len(site.molecule.residues)
-    owner = np.array(site.molecule.residue)
-    atoms = [start[owner == k] for k in range(n)]
-    shift = np.zeros((n, 3))
-    for _ in range(_PUSHES):
-        push = np.zeros((n, 3))
-        for k in range(n):
-            here = atoms[k] + shift[k]
-            for other in [
-                site.around.positions_A,
-                *(atoms[j] + shift[j] for j in range(n) if abs(j - k) > 1),
-            ]:
-                between = here[:, None] - other[None]
-                apart = np.linalg.norm(between, axis=-1)
-                overlap = np.maximum(_PUSH_A - apart, 0.0) / np.maximum(apart, 0.1)
-                push[k] += (overlap[..., None] * between).sum(axis=(0, 1))
-        size = np.linalg.norm(push, axis=1, keepdims=True)
-        if size.max() < 1e-6:
-            break
-        shift += push * np.minimum(0.05, 0.3 / np.maximum(size, 1e-9))
-    return shift
-
-
-def shifted(site: Site, start: Array, shift: Array) -> Array:
-    """Positions with every loop nucleotide moved as a whole.
-
-    Parameters
-    ----------
-    site : Site
-        Where the loop is built.
-    start : (N, 3) array
-        Positions, Å.
-    shift : (n, 3) array
-        Of each loop nucleotide, Å.
-
-    Returns
-    -------
-    (N, 3) array
-        Å.
-    """
-    out = start.copy()
-    rows = [row for row in site.molecule.loop_atoms if site.moving[row]]
-    out[rows] += shift[np.array(site.molecule.residue)[rows]]
-    return np.round(out, GRID_A)
-
-
 def _phosphate(residue: Residue, line: Curve, k: int, omega: float) -> dict[str, Array]:
     """P, OP1 and OP2, each on the line's normal plane at its own phase."""
-    strand = ideal_strand(residue.is_dna)
-    fibre = fibre_nucleotide(residue.letter, residue.is_dna)
-    turn = np.deg2rad(omega)
-    out = {}
-    for name in ("P", "OP1", "OP2"):
-        phase, (x, y) = own_phase(strand, fibre[name])
-        point, frame = line.at([k + phase])
-        c, s = np.cos(turn), np.sin(turn)
-        out[name] = point[0] + frame[0][:, 0] * (c * x - s * y) + frame[0][:, 1] * (s * x + c * y)
-    return out
+    names = ("P", "OP1", "OP2")
+    phases, local = _own_phases(residue.is_dna, names)
+    points, frames = line.at(k + phases)
+    c, s = np.cos(np.deg2rad(omega)), np.sin(np.deg2rad(omega))
+    across = local @ np.array([[c, s], [-s, c]])
+    return dict(zip(names, points + (frames[:, :, :2] @ across[:, :, None])[..., 0], strict=True))
+
+
+@lru_cache
+def _own_phases(is_dna: bool, names: tuple[str, ...]) -> tuple[Array, Array]:
+    """Phases (a,) and places (a, 2) of atoms that every nucleotide has; see :func:`own_phase`."""
+    fibre = fibre_nucleotide("A", is_dna)
+    phases, local = zip(*(own_phase(ideal_strand(is_dna), fibre[x]) for x in names), strict=True)
+    return np.array(phases), np.array(local)
 
 
 def _methyls(molecule: LoopMolecule, positions: Array) -> None:

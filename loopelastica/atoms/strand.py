@@ -73,6 +73,8 @@ class StrandModel(Record):
     checks : Checks
     waters : (w,) array of int
         Rows of `atoms`: waters nearer than 2.5 Å to a built atom.
+    attempts : int
+        Combinations that were minimized.
     """
 
     gap: Gap
@@ -84,6 +86,7 @@ class StrandModel(Record):
     relaxed: Relaxed
     checks: Checks
     waters: NDArray[np.int64]
+    attempts: int
 
     def __repr__(self) -> str:
         state = "sound" if self.checks.sound else f"not sound ({'; '.join(self.checks.wrong)})"
@@ -155,7 +158,7 @@ def build_strand(
     check_contact(contact)
     site = gap_site(gap, line, atoms)
     local = LocalCurve(line, site.origin, site.frame)
-    best, _ = best_on(site, local, limits, contact=contact)
+    best, _, attempts = best_on(site, local, limits, contact=contact)
     positions = site.in_file(best.relaxed.positions_A)
     return StrandModel(
         gap,
@@ -167,6 +170,7 @@ def build_strand(
         best.relaxed,
         best.checks,
         _waters(atoms, positions[site.moving]),
+        attempts,
     )
 
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -189,6 +190,7 @@ class _State:
         return _plane(self.atoms[:, [self.names.index(name) for name in RING]])
 
 
+@lru_cache
 def _all_turns() -> tuple[Array, Array]:
     """Ω and χ class of each state: χ varies fastest."""
     omega = np.arange(OMEGA_STEPS) * (360.0 / OMEGA_STEPS)
@@ -196,6 +198,7 @@ def _all_turns() -> tuple[Array, Array]:
     return np.repeat(omega, n_chi), np.tile(np.arange(n_chi), OMEGA_STEPS)
 
 
+@lru_cache
 def _chi_changes(letter: str, is_dna: bool) -> Array:
     atoms = fibre_nucleotide(letter, is_dna)
     fibre = torsion_deg(*(atoms[name] for name in chi_torsion(letter)))

@@ -96,7 +96,7 @@ def test_fixed_atoms_stay_and_bonds_are_restored(chain):
 
 def test_atoms_pass_through_one_another_where_overlap_is_cheap_and_not_where_it_is_dear(chain):
     """An atom that a wall of one atom keeps from its place."""
-    restraints, positions = chain
+    restraints, _ = chain
     nothing = np.zeros((0, 2), dtype=np.int64)
     four = np.zeros((0, 4), dtype=np.int64)
     wall = dataclasses.replace(
