@@ -240,7 +240,7 @@ def _near_puckers(positions: Array, rings: Index) -> Array:
     """Of the two usual puckers the one next to each sugar's own, degrees."""
     phases = np.array([phase for phase, _ in puckers(positions, rings)])
     away = np.abs((phases[:, None] - np.array(PUCKERS_DEG) + 180.0) % 360.0 - 180.0)
-    return np.array(PUCKERS_DEG)[away.argmin(axis=1)]
+    return np.asarray(np.array(PUCKERS_DEG)[away.argmin(axis=1)], dtype=np.float64)
 
 
 def right_phosphates(site: Site, positions: Array) -> None:

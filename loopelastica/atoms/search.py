@@ -8,6 +8,7 @@ back, and its checks say what is wrong.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.atoms.carry import Curve
+from loopelastica.atoms.carry import Bent, Curve
 from loopelastica.atoms.checks import Checks, check
 from loopelastica.atoms.measures import angles_deg, bond_lengths
 from loopelastica.atoms.minimum import Problem, mended, minimum
@@ -29,9 +30,13 @@ LINE_SD_A: Final = (0.3, 1.0, 3.0)
 """How near the backbone centroids are held to the line. The next one is for lines from which no
 sound model has come: a rod has no thickness and may run through the stem or itself. The nucleotides
 are then moved out of the way first."""
-MENDINGS: Final = 3
+BENDS_A: Final = (2.5, 5.0)
+"""How far the line is bent to all sides where it leads to no sound model."""
 MOST_TRIES: Final = 12
-"""Combinations of Ω and χ that are tried in all where the first ones give no sound model."""
+"""Combinations of a bend with Ω and χ that are minimized for each of these sizes."""
+MENDINGS: Final = 3
+HOPELESS: Final = 6.0
+"""A model that is further from sound than this (see `Checks.excess`) is not mended."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,45 +103,78 @@ def best_on(
     """
     end = time.monotonic() + limits.max_seconds
     problem = Problem.at(site)
-    residues = site.molecule.residues
-    combinations = turned(
-        [r.letter for r in residues],
-        [r.is_dna for r in residues],
-        line,
-        site.stem,
-        contact=contact,
-        keep=max(limits.tries, MOST_TRIES),
-    )
-    centers = np.round(line.at(np.arange(1, site.molecule.n + 1))[0], 6)
+    first = _combinations(site, line, contact, max(limits.tries, 3))
     attempts: list[Attempt] = []
-    for turns, line_sd in product_of(combinations):
-        start = start_on(site, line, turns)
-        relaxed = minimum(
-            problem, centers, line_sd, start, limits.max_steps, max(end - time.monotonic(), 0.0)
-        )
-        checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
-        stress = np.ones(len(problem.pairs))
-        for _ in range(MENDINGS):
-            if checks.sound or time.monotonic() > end:
-                break
-            stress *= _stress(site, relaxed.positions_A)
-            relaxed = mended(problem, centers, relaxed, stress, limits.max_steps,
-                             max(end - time.monotonic(), 0.0))  # fmt: skip
-            checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
-        attempts.append(Attempt(turns, start, relaxed, checks))
+    for curve, turns, line_sd in _schedule(site, line, first, contact):
+        attempts.append(_attempt(problem, curve, turns, line_sd, limits, end))
         if sum(attempt.checks.sound for attempt in attempts) == limits.tries:
             break
         if time.monotonic() > end:
             break
     best = min(attempts, key=lambda attempt: attempt.order)
-    return best, combinations, len(attempts)
+    return best, first, len(attempts)
 
 
-def product_of(combinations: list[Turns]) -> Iterator[tuple[Turns, float]]:
-    """Combination, and how near to the line."""
-    for line_sd in LINE_SD_A:
-        for turns in combinations:
-            yield turns, line_sd
+def _combinations(site: Site, line: Curve, contact: str | None, keep: int) -> list[Turns]:
+    residues = site.molecule.residues
+    letters, is_dna = [r.letter for r in residues], [r.is_dna for r in residues]
+    return turned(letters, is_dna, line, site.stem, contact=contact, keep=keep)
+
+
+def _schedule(
+    site: Site, line: Curve, first: list[Turns], contact: str | None
+) -> Iterator[tuple[Curve, Turns, float]]:
+    """Line, combination, and how near to the line: what is tried, in this order."""
+    for turns in first:
+        yield line, turns, LINE_SD_A[0]
+    for line_sd, size_A in zip(LINE_SD_A[1:], BENDS_A, strict=True):
+        bent = [line, *_bends(line, site.molecule.n, size_A)]
+        found = [(t, curve) for curve in bent for t in _combinations(site, curve, contact, 2)]
+        found.sort(key=lambda pair: pair[0].score)
+        for turns, curve in found[:MOST_TRIES]:
+            yield curve, turns, line_sd
+
+
+def _bends(line: Curve, n: int, size_A: float) -> list[Bent]:
+    """The line bent to eight sides, and in waves."""
+    points, frames = line.at([0.5, 0.5 * (n + 1), n + 0.5])
+    along = points[2] - points[0]
+    # a normal of the line in its middle, where its ends are at one place
+    along = along if np.linalg.norm(along) > 1.0 else frames[1][:, 2]
+    along = along / np.linalg.norm(along)
+    u = frames[1][:, 0] - (frames[1][:, 0] @ along) * along
+    if np.linalg.norm(u) < 0.1:
+        u = frames[1][:, 1] - (frames[1][:, 1] @ along) * along
+    u /= np.linalg.norm(u)
+    v = np.cross(along, u)
+    size_A = min(size_A, 0.7 * n + 0.7)
+    turns = np.arange(8) * (math.tau / 8)
+    sides = [size_A * (math.cos(a) * u + math.sin(a) * v) for a in turns]
+    return [Bent(line, n, side) for side in sides] + [
+        Bent(line, n, 0.5 * side, 2) for side in sides[::2]
+    ]
+
+
+def _attempt(
+    problem: Problem, line: Curve, turns: Turns, line_sd: float, limits: Limits, end: float
+) -> Attempt:
+    site = problem.site
+    centers = np.round(line.at(np.arange(1, site.molecule.n + 1))[0], 6)
+    start = start_on(site, line, turns)
+    relaxed = minimum(
+        problem, centers, line_sd, start, limits.max_steps, max(end - time.monotonic(), 0.0)
+    )
+    checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
+    stress = np.ones(len(problem.pairs))
+    for _ in range(MENDINGS):
+        if checks.sound or checks.excess > HOPELESS or time.monotonic() > end:
+            break
+        stress *= _stress(site, relaxed.positions_A)
+        relaxed = mended(
+            problem, centers, relaxed, stress, limits.max_steps, max(end - time.monotonic(), 0.0)
+        )
+        checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
+    return Attempt(turns, start, relaxed, checks)
 
 
 def _stress(site: Site, positions: Array) -> Array:
