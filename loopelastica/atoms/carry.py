@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,6 +35,16 @@ def helix_twist(strand: Strand) -> float:
     '15.7'
     """
     return math.radians(strand.turn_deg) * strand.rise_A / line_length_A(strand)
+
+
+class Curve(Protocol):
+    """What nucleotides are laid on: a line with frames."""
+
+    def at(self, phases: ArrayLike) -> tuple[Array, Array]:
+        """Points (m, 3), Å, and frames (m, 3, 3), columns d1 d2 d3, at the phases (m,).
+
+        The strand's nucleotides have the phases 1 … n; d3 is the tangent, 5' to 3'.
+        """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,6 +137,45 @@ class Line:
         point_0, frame_0 = line_frame(self.strand, start, taper)
         point, other = line_frame(self.strand, start + phase, taper)
         return origin + frame @ frame_0.T @ (point - point_0), frame @ frame_0.T @ other
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bent:
+    """A curve with its middle moved aside: by half a sine wave, or by a whole one.
+
+    Attributes
+    ----------
+    curve : Curve
+    n : int
+        Its nucleotides.
+    aside_A : (3,) array
+        How far and where to.
+    waves : int
+        Half waves.
+    """
+
+    curve: Curve
+    n: int
+    aside_A: Array
+    waves: int = 1
+
+    def at(self, phases: ArrayLike) -> tuple[Array, Array]:
+        """Points (m, 3) and frames (m, 3, 3) at the phases (m,)."""
+        phase = np.atleast_1d(np.asarray(phases, dtype=np.float64))
+        points, frames = self.curve.at(phase)
+        u = self.waves * math.pi * np.clip((phase - 0.5) / self.n, 0.0, 1.0)
+        bent = points + np.sin(u)[:, None] * self.aside_A
+        # tangents by differences: the curve's own speed is not given
+        ahead, behind = (self._at(phase + step) for step in (0.05, -0.05))
+        tangent = ahead - behind
+        tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
+        d1 = frames[:, :, 0] - (frames[:, :, 0] * tangent).sum(axis=1)[:, None] * tangent
+        d1 /= np.maximum(np.linalg.norm(d1, axis=1, keepdims=True), 1e-9)
+        return bent, np.stack([d1, np.cross(tangent, d1), tangent], axis=2)
+
+    def _at(self, phase: Array) -> Array:
+        u = self.waves * math.pi * np.clip((phase - 0.5) / self.n, 0.0, 1.0)
+        return np.asarray(self.curve.at(phase)[0] + np.sin(u)[:, None] * self.aside_A)
 
 
 def own_phase(strand: Strand, position: Array) -> tuple[float, Array]:

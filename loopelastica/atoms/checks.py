@@ -6,10 +6,10 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
-from loopelastica.atoms.chemistry import LoopMolecule
-from loopelastica.atoms.geometry import IdealGeometry, chiral_quads, separations
+from loopelastica.atoms.geometry import RING_OF_SUGAR, IdealGeometry, separations
 from loopelastica.atoms.measures import (
     angles_deg,
     bond_lengths,
@@ -18,11 +18,16 @@ from loopelastica.atoms.measures import (
     pucker_name,
     torsion_deg,
 )
+from loopelastica.atoms.relax import MESSAGES, Status
+from loopelastica.atoms.site import Site
 from loopelastica.molecule.nucleotides import BACKBONE
 
 BOND_TOLERANCE_A: Final = 0.05
 ANGLE_TOLERANCE_DEG: Final = 6.0
+WORST_ANGLE_DEG: Final = 10.0
 CLOSE_A: Final = 2.2
+METAL_CLOSE_A: Final = 1.9
+"""Nearest that nitrogen or oxygen comes to a metal which it may coordinate."""
 _OVERLAP_A: Final = 0.4
 _RADII: Final = {"C": 1.7, "N": 1.55, "O": 1.52, "P": 1.8, "S": 1.8}
 """Bondi, J. Phys. Chem. 68 (1964) 441."""
@@ -32,14 +37,19 @@ _RADII: Final = {"C": 1.7, "N": 1.55, "O": 1.52, "P": 1.8, "S": 1.8}
 class Checks:
     """Figures of one model; lengths in Å, angles in degrees.
 
+    Bonds, angles and hands are those with a built atom in them, junctions included; contacts are
+    those of a built atom with anything, of the strand or around.
+
     Attributes
     ----------
-    bonds, bonds_within, bond_rms_A, bond_worst_A
-        Number of bonds, share within 0.05 Å of ideal, rms and largest deviation.
-    angles, angles_within, angle_rms_deg, angle_worst_deg
+    status : str
+        How the minimization ended, such as "converged".
+    bonds, bonds_within, bond_rms_A, worst_bond_A, worst_bond
+        Number of bonds, share within 0.05 Å of ideal, rms and largest deviation, and where that is.
+    angles, angles_within, angle_rms_deg, worst_angle_deg, worst_angle
         The same for angles and 6°.
     junction_5_A, junction_3_A
-        O3'–P to the 5' and to the 3' closing nucleotide.
+        O3'–P to the nucleotides before and after; None where there is none.
     chain_worst_A
         Largest deviation from ideal among all O3'–P bonds.
     wrong_chirality : tuple of str
@@ -48,10 +58,11 @@ class Checks:
         Phase of pseudorotation, amplitude and name of each sugar.
     chi_deg, chi
         Glycosidic torsion and "anti" or "syn" of each nucleotide.
-    closest_A
-        Smallest distance of two heavy atoms with at least three bonds between them.
+    closest_A, closest
+        Smallest distance of two heavy atoms with at least three bonds between them, and which they
+        are. Nitrogen or oxygen at 1.9 Å or more from a metal are left out.
     clashes_per_1000
-        Pairs that overlap by 0.4 Å or more, hydrogens left out, per thousand loop atoms; nitrogen
+        Pairs that overlap by 0.4 Å or more, hydrogens left out, per thousand built atoms; nitrogen
         and oxygen as in hydrogen bonds are none.
     line_before_A, line_after_A
         Root mean square distance of the backbone centroids from the line before and after.
@@ -59,16 +70,19 @@ class Checks:
         Root mean square shift of the six backbone atoms by the minimization.
     """
 
+    status: str
     bonds: int
     bonds_within: float
     bond_rms_A: float
-    bond_worst_A: float
+    worst_bond_A: float
+    worst_bond: str
     angles: int
     angles_within: float
     angle_rms_deg: float
-    angle_worst_deg: float
-    junction_5_A: float
-    junction_3_A: float
+    worst_angle_deg: float
+    worst_angle: str
+    junction_5_A: float | None
+    junction_3_A: float | None
     chain_worst_A: float
     wrong_chirality: tuple[str, ...]
     pucker_deg: tuple[float, ...]
@@ -77,6 +91,7 @@ class Checks:
     chi_deg: tuple[float, ...]
     chi: tuple[str, ...]
     closest_A: float
+    closest: str
     clashes_per_1000: float
     line_before_A: float
     line_after_A: float
@@ -84,11 +99,38 @@ class Checks:
 
     @property
     def sound(self) -> bool:
-        """Right hands, whole chain, no contact below 2.2 Å."""
+        """Whether nothing is :attr:`wrong`."""
+        return not self.wrong
+
+    @property
+    def wrong(self) -> tuple[str, ...]:
+        """What keeps the model from being sound, a phrase each.
+
+        Hands, bonds within 0.05 Å, angles within 10°, no contact below 2.2 Å (1.9 Å of nitrogen or
+        oxygen and a metal), converged.
+        """
+        found = []
+        if self.wrong_chirality:
+            found.append(f"wrong hand at {', '.join(self.wrong_chirality)}")
+        if self.worst_bond_A > BOND_TOLERANCE_A:
+            found.append(f"bond {self.worst_bond} off by {self.worst_bond_A:.2f} Å")
+        if self.worst_angle_deg > WORST_ANGLE_DEG:
+            found.append(f"angle {self.worst_angle} off by {self.worst_angle_deg:.0f}°")
+        if self.closest_A < CLOSE_A:
+            found.append(f"{self.closest} are {self.closest_A:.2f} Å apart")
+        if self.status != MESSAGES[Status.CONVERGED]:
+            found.append(self.status)
+        return tuple(found)
+
+    @property
+    def excess(self) -> float:
+        """How far from sound, in tolerances: 0 for a sound model."""
         return (
-            not self.wrong_chirality
-            and self.chain_worst_A <= BOND_TOLERANCE_A
-            and self.closest_A >= CLOSE_A
+            10.0 * len(self.wrong_chirality)
+            + max(self.worst_bond_A / BOND_TOLERANCE_A - 1.0, 0.0)
+            + max(self.worst_angle_deg / WORST_ANGLE_DEG - 1.0, 0.0)
+            + max((CLOSE_A - self.closest_A) / 0.2, 0.0)
+            + (self.status != MESSAGES[Status.CONVERGED])
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -96,33 +138,26 @@ class Checks:
         return {"sound": self.sound, **asdict(self)}
 
 
-def check(
-    molecule: LoopMolecule,
-    geometry: IdealGeometry,
-    positions: Array,
-    around: Array,
-    line: Array,
-    start: Array,
-) -> Checks:
+def check(site: Site, positions: Array, line: Array, start: Array, status: Status) -> Checks:
     """Measure a model.
 
     Parameters
     ----------
-    molecule : LoopMolecule
-    geometry : IdealGeometry
-        Its ideal lengths and angles.
+    site : Site
+        Its molecule, ideal geometry and what is around.
     positions, start : (N, 3) array
         Rows of the molecule after and before the minimization, Å.
-    around : (m, 3) array
-        Heavy atoms near the loop that are no part of the molecule.
     line : (n, 3) array
         Points of the line at the nucleotides, Å.
+    status : Status
+        How the minimization ended.
 
     Returns
     -------
     Checks
     """
-    n = len(molecule.residues)
+    molecule, geometry = site.molecule, site.geometry
+    rows = molecule.rows
     bond = bond_lengths(positions, geometry.bonds) - geometry.length_A
     angle = angles_deg(positions, geometry.angles) - geometry.angle_deg
     chain = [
@@ -130,95 +165,142 @@ def check(
         for row, pair in enumerate(geometry.bonds.tolist())
         if {molecule.names[i] for i in pair} == {"O3'", "P"}
     ]
-    lengths = bond_lengths(positions, geometry.bonds[chain])
-    by_owner = {
-        max(molecule.residue[i] for i in geometry.bonds[row]): length
-        for row, length in zip(chain, lengths, strict=True)
-    }
-    rows = {key: i for i, key in enumerate(zip(molecule.residue, molecule.names, strict=True))}
-    sugars = puckers(molecule, positions)
+    junctions = [_o3_p(site, positions, k) for k in (0, molecule.n)]
+    own = range(molecule.n)
+    rings = np.array([[rows.get((k, name), -1) for name in RING_OF_SUGAR] for k in own])
+    sugars = puckers(positions, rings)
     chi = [
-        torsion_deg(*(positions[rows[k, a]] for a in chi_torsion(molecule.residues[k].letter)))
-        for k in range(n)
+        torsion_deg(*(positions[rows[k, a]] for a in chi_torsion(molecule.kinds[k].letter)))
+        for k in own
     ]
-    closest, clashes = _contacts(molecule, positions, around)
-    backbone = np.array([[rows[k, name] for name in BACKBONE] for k in range(n)])
+    closest, pair, clashes = _contacts(site, positions)
+    backbone = np.array([[rows[k, name] for name in BACKBONE] for k in own])
     return Checks(
+        status=MESSAGES[status],
         bonds=len(bond),
-        bonds_within=float((np.abs(bond) <= BOND_TOLERANCE_A).mean()),
+        bonds_within=_share(bond, BOND_TOLERANCE_A),
         bond_rms_A=_rms(bond),
-        bond_worst_A=float(np.abs(bond).max()),
+        worst_bond_A=_worst(bond),
+        worst_bond=_where(site, geometry.bonds, bond),
         angles=len(angle),
-        angles_within=float((np.abs(angle) <= ANGLE_TOLERANCE_DEG).mean()),
+        angles_within=_share(angle, ANGLE_TOLERANCE_DEG),
         angle_rms_deg=_rms(angle),
-        angle_worst_deg=float(np.abs(angle).max()),
-        junction_5_A=float(by_owner[0]),
-        junction_3_A=float(by_owner[n]),
-        chain_worst_A=float(np.abs(bond[chain]).max()),
-        wrong_chirality=_wrong_hands(molecule, positions),
+        worst_angle_deg=_worst(angle),
+        worst_angle=_where(site, geometry.angles, angle),
+        junction_5_A=junctions[0],
+        junction_3_A=junctions[1],
+        chain_worst_A=_worst(bond[chain]),
+        wrong_chirality=_wrong_hands(site, positions),
         pucker_deg=tuple(round(phase, 2) for phase, _ in sugars),
         pucker_amplitude_deg=tuple(round(amplitude, 2) for _, amplitude in sugars),
         pucker=tuple(pucker_name(phase) for phase, _ in sugars),
         chi_deg=tuple(round(value, 2) for value in chi),
         chi=tuple("syn" if abs(value) < 90.0 else "anti" for value in chi),
         closest_A=closest,
-        clashes_per_1000=1000.0 * clashes / len(molecule.loop_atoms),
+        closest=" and ".join(site.label(row) for row in pair),
+        clashes_per_1000=1000.0 * clashes / max(int(site.moving.sum()), 1),
         line_before_A=_rms(np.linalg.norm(start[backbone].mean(axis=1) - line, axis=1)),
         line_after_A=_rms(np.linalg.norm(positions[backbone].mean(axis=1) - line, axis=1)),
         backbone_shift_A=_rms(np.linalg.norm(positions[backbone] - start[backbone], axis=-1)),
     )
 
 
-def puckers(molecule: LoopMolecule, positions: Array) -> list[tuple[float, float]]:
-    """Phase and amplitude of each sugar of the loop; see :func:`pseudorotation`.
+def puckers(positions: Array, rings: NDArray[np.int64]) -> list[tuple[float, float]]:
+    """Phase and amplitude of sugars; see :func:`pseudorotation`.
 
     Parameters
     ----------
-    molecule : LoopMolecule
     positions : (N, 3) array
-        Its atoms, Å.
+        Å.
+    rings : (s, 5) array of int
+        Rows of C1' C2' C3' C4' O4'.
 
     Returns
     -------
     list of (float, float)
         Degrees.
     """
-    ring = ("C1'", "C2'", "C3'", "C4'", "O4'")
-    return [
-        pseudorotation(*(positions[molecule.index(k, name)] for name in ring))
-        for k in range(len(molecule.residues))
-    ]
+    return [pseudorotation(*positions[ring]) for ring in rings]
 
 
-def _wrong_hands(molecule: LoopMolecule, positions: Array) -> tuple[str, ...]:
-    quads, volume = chiral_quads(molecule)
-    a, b, c, d = (positions[quads[:, column]] for column in range(4))
+def wrong_hands(geometry: IdealGeometry, positions: Array) -> NDArray[np.bool_]:
+    """Which of the centres have the wrong hand or none.
+
+    Parameters
+    ----------
+    geometry : IdealGeometry
+    positions : (N, 3) array
+        Å.
+
+    Returns
+    -------
+    (q,) array of bool
+    """
+    a, b, c, d = (positions[geometry.chiral[:, column]] for column in range(4))
     found = ((b - a) * np.cross(c - a, d - a)).sum(axis=1)
     # half the volume is already a flattened centre
-    wrong = quads[found < 0.5 * volume, 0]
-    return tuple(f"{molecule.residue[row] + 1}:{molecule.names[row]}" for row in wrong)
+    return np.asarray(found < 0.5 * geometry.volume_A3)
 
 
-def _contacts(molecule: LoopMolecule, positions: Array, around: Array) -> tuple[float, int]:
-    """Smallest distance of unbonded heavy atoms, and the number of overlaps."""
-    loop = molecule.loop_atoms
-    radius = np.array([_RADII.get(a.GetSymbol(), 1.7) for a in molecule.mol.GetAtoms()])
-    polar = np.array([a.GetSymbol() in "NO" for a in molecule.mol.GetAtoms()])
-    apart = separations(molecule)
-    distance = np.linalg.norm(positions[:, None] - positions[None], axis=-1)
-    pair = np.triu(apart >= 3, k=1)
-    ours = np.zeros(len(positions), dtype=np.bool_)
-    ours[loop] = True
-    pair &= ours[:, None] | ours[None]
-    closest = float(distance[pair].min())
-    pair &= (apart > 3) & ~(polar[:, None] & polar[None])
-    clashes = int((pair & (radius[:, None] + radius[None] - distance > _OVERLAP_A)).sum())
-    if len(around):
-        to_stem = np.linalg.norm(positions[loop][:, None] - around[None], axis=-1)
-        closest = min(closest, float(to_stem.min()))
-        clashes += int((radius[loop][:, None] + 1.6 - to_stem > _OVERLAP_A + 0.1).sum())
-    return closest, clashes
+def _wrong_hands(site: Site, positions: Array) -> tuple[str, ...]:
+    wrong = wrong_hands(site.geometry, positions)
+    return tuple(site.label(row) for row in site.geometry.chiral[wrong, 0])
+
+
+def _o3_p(site: Site, positions: Array, k: int) -> float | None:
+    """Length of the bond from nucleotide k − 1 to k."""
+    pair = [site.molecule.rows.get(key) for key in ((k - 1, "O3'"), (k, "P"))]
+    if None in pair:
+        return None
+    return float(np.linalg.norm(positions[pair[0]] - positions[pair[1]]))
+
+
+def _contacts(site: Site, positions: Array) -> tuple[float, tuple[int, ...], int]:
+    """Smallest distance of unbonded heavy atoms, which they are, and the number of overlaps.
+
+    Pairs are of a built atom and any other, from row N on of what is around.
+    """
+    from scipy.spatial.distance import cdist
+
+    molecule, around = site.molecule, site.around
+    symbols = [a.GetSymbol() for a in molecule.mol.GetAtoms()]
+    radius = np.array([_RADII.get(symbol, 1.7) for symbol in symbols])
+    polar = np.array([symbol in "NO" for symbol in symbols])
+    moving = site.moving
+    inside = cdist(positions, positions)
+    bonds = separations(molecule)
+    later = np.arange(len(positions)) > np.arange(len(positions))[:, None]
+    pair = (bonds >= 3) & (moving[:, None] | moving) & later
+    clash = pair & (bonds > 3) & ~(polar[:, None] & polar)
+    clashes = int((clash & (radius[:, None] + radius - inside > _OVERLAP_A)).sum())
+    inside = np.where(pair, inside, np.inf)
+    outside = cdist(positions, around.positions_A)
+    owner = np.array(molecule.residue)
+    outside[~moving] = np.inf
+    outside[owner[:, None] == around.owner] = np.inf
+    coordinated = polar[:, None] & around.metal & (outside >= METAL_CLOSE_A)
+    outside[coordinated] = np.inf
+    clashes += int((radius[:, None] + 1.6 - outside > _OVERLAP_A + 0.1).sum())
+    every = np.concatenate([inside, outside], axis=1)
+    if not np.isfinite(every).any():
+        return np.inf, (), 0
+    row, column = np.unravel_index(int(every.argmin()), every.shape)
+    return float(every[row, column]), (int(row), int(column)), clashes
+
+
+def _where(site: Site, rows: NDArray[np.int64], off: Array) -> str:
+    if len(off) == 0:
+        return ""
+    return "–".join(site.label(row) for row in rows[np.abs(off).argmax()])
+
+
+def _worst(off: Array) -> float:
+    return float(np.abs(off).max(initial=0.0))
+
+
+def _share(off: Array, tolerance: float) -> float:
+    return float((np.abs(off) <= tolerance).mean()) if len(off) else 1.0
 
 
 def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
+    return float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0

@@ -1,14 +1,15 @@
-"""The molecule of a loop, built by rdkit from its sequence: atoms, bonds, charges, stereo.
+"""The molecule of a strand, built by rdkit from its sequence: atoms, bonds, charges, stereo.
 
 Each nucleotide comes from rdkit's own sequence reader, with the names of the wwPDB; what the reader
 lacks (thymine on ribose, uracil on deoxyribose, methylated bases) is edited in. Phosphates
-carry their charge. Two atoms of the stem belong to the molecule, for the junctions are real bonds:
-O3' of the 5' closing nucleotide and P of the 3' closing one, with their neighbours.
+carry their charge. Atoms of the nucleotides before and after belong to the molecule, for the
+junctions are real bonds: of a hairpin's closing pair O3' and P with their neighbours, of a strand's
+flanks all that is there or is to be built.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
@@ -53,7 +54,7 @@ class Residue:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoopMolecule:
-    """Heavy atoms of a loop and of the two junctions, as one rdkit molecule.
+    """Heavy atoms of a strand and of its two junctions, as one rdkit molecule.
 
     Attributes
     ----------
@@ -62,16 +63,29 @@ class LoopMolecule:
     names : tuple of str
         wwPDB names.
     residue : tuple of int
-        Loop nucleotide (0 … n − 1); −1 the 5' closing one, n the 3' closing one.
+        Nucleotide of the strand (0 … n − 1); −1 the one before, n the one after, −2 and n + 1 the
+        next ones outwards.
     bonds : tuple of (int, int)
-    residues : tuple of Residue
+    kinds : mapping of int to Residue
+        What each nucleotide is.
+    n : int
+        Nucleotides of the strand.
+    rows : mapping of (int, str) to int
+        Row of each atom.
     """
 
     mol: Any
     names: tuple[str, ...]
     residue: tuple[int, ...]
     bonds: tuple[tuple[int, int], ...]
-    residues: tuple[Residue, ...]
+    kinds: Mapping[int, Residue]
+    n: int
+    rows: Mapping[tuple[int, str], int]
+
+    @property
+    def residues(self) -> tuple[Residue, ...]:
+        """The strand's own nucleotides."""
+        return tuple(self.kinds[k] for k in range(self.n))
 
     def index(self, residue: int, name: str) -> int:
         """Row of an atom; ValueError if it is not there.
@@ -87,16 +101,15 @@ class LoopMolecule:
         -------
         int
         """
-        for row, (other, own) in enumerate(zip(self.residue, self.names, strict=True)):
-            if other == residue and own == name:
-                return row
-        raise ValueError(f"`name`: nucleotide {residue} has no atom {name}")
+        row = self.rows.get((residue, name))
+        if row is None:
+            raise ValueError(f"`name`: nucleotide {residue} has no atom {name}")
+        return row
 
     @property
     def loop_atoms(self) -> list[int]:
-        """Rows of the loop's own atoms, in the order of the chain."""
-        n = len(self.residues)
-        return [row for row, r in enumerate(self.residue) if 0 <= r < n]
+        """Rows of the strand's own atoms, in the order of the chain."""
+        return [row for row, r in enumerate(self.residue) if 0 <= r < self.n]
 
 
 def loop_molecule(residues: Sequence[Residue]) -> LoopMolecule:
@@ -113,44 +126,67 @@ def loop_molecule(residues: Sequence[Residue]) -> LoopMolecule:
     >>> loop.mol.GetNumAtoms(), len(loop.loop_atoms)
     (50, 43)
     """
-    from rdkit import Chem
-
     if not residues:
         raise ValueError("`residues` is empty; a loop has at least one nucleotide")
-    mol = Chem.RWMol()
-    names: list[str] = []
-    residue: list[int] = []
     n = len(residues)
-    for number, part in [
-        (-1, _fragment("CO", JUNCTION_5)),
-        *((k, _nucleotide(r)) for k, r in enumerate(residues)),
-        (n, _fragment("P(=O)([O-])OC", JUNCTION_3)),
-    ]:
+    anything = Residue("U", False, "U")
+    parts: dict[int, tuple[Residue, Collection[str] | None]] = {-1: (anything, JUNCTION_5)}
+    parts |= {k: (residue, None) for k, residue in enumerate(residues)}
+    parts[n] = (anything, JUNCTION_3)
+    return strand_molecule(parts, n)
+
+
+def strand_molecule(
+    parts: Mapping[int, tuple[Residue, Collection[str] | None]], n: int
+) -> LoopMolecule:
+    """Join nucleotides 5' to 3', of some of them only named atoms.
+
+    Parameters
+    ----------
+    parts : mapping of int to (Residue, collection of str or None)
+        By number, as in `LoopMolecule.residue`, 5' to 3'; None: all atoms. Names that the
+        nucleotide does not have mean nothing.
+    n : int
+        Nucleotides of the strand itself.
+
+    Returns
+    -------
+    LoopMolecule
+
+    Raises
+    ------
+    ValueError
+        If a base cannot be built.
+    """
+    from rdkit import Chem
+
+    mol = Chem.RWMol()
+    rows: dict[tuple[int, str], int] = {}
+    for number, (kind, names) in parts.items():
+        part = _nucleotide(kind, None if names is None else frozenset(names))
         offset = mol.GetNumAtoms()
         mol.InsertMol(part)
-        names += [atom.GetProp("name") for atom in part.GetAtoms()]
-        residue += [number] * part.GetNumAtoms()
-        if offset:
-            before = max(row for row in range(offset) if names[row] == "O3'")
-            here = offset + names[offset:].index("P")
+        for atom in part.GetAtoms():
+            rows[number, atom.GetProp("name")] = offset + atom.GetIdx()
+        before, here = rows.get((number - 1, "O3'")), rows.get((number, "P"))
+        if before is not None and here is not None:
             mol.AddBond(before, here, Chem.BondType.SINGLE)
     Chem.SanitizeMol(mol)
     bonds = tuple((b.GetBeginAtomIdx(), b.GetEndAtomIdx()) for b in mol.GetBonds())
-    return LoopMolecule(mol.GetMol(), tuple(names), tuple(residue), bonds, tuple(residues))
-
-
-def _fragment(smiles: str, names: Sequence[str]) -> Any:
-    from rdkit import Chem
-
-    part = Chem.MolFromSmiles(smiles, sanitize=False)
-    for atom, name in zip(part.GetAtoms(), names, strict=True):
-        atom.SetProp("name", name)
-    return part
+    return LoopMolecule(
+        mol.GetMol(),
+        tuple(name for _, name in rows),
+        tuple(number for number, _ in rows),
+        bonds,
+        {number: kind for number, (kind, _) in parts.items()},
+        n,
+        rows,
+    )
 
 
 @lru_cache
-def _nucleotide(residue: Residue) -> Any:
-    """A nucleotide with its charged 5' phosphate, open at P and at O3'."""
+def _nucleotide(residue: Residue, names: frozenset[str] | None = None) -> Any:
+    """A nucleotide with its charged 5' phosphate, open at P and at O3'; only the named atoms."""
     from rdkit import Chem
 
     # flavors of rdkit's sequence reader: RNA or DNA with a phosphate at the 5' end
@@ -174,4 +210,16 @@ def _nucleotide(residue: Residue) -> Any:
     mol.RemoveAtom(rows["OP3"])
     for atom in mol.GetAtoms():
         atom.SetNoImplicit(False)
+    if names is not None:
+        unwanted = [a.GetIdx() for a in mol.GetAtoms() if a.GetProp("name") not in names]
+        for row in reversed(unwanted):
+            for neighbour in mol.GetAtomWithIdx(row).GetNeighbors():
+                # what has lost a neighbour has no hand
+                neighbour.SetChiralTag(Chem.ChiralType.CHI_UNSPECIFIED)
+            mol.RemoveAtom(row)
     return mol.GetMol()
+
+
+def atom_names(residue: Residue) -> tuple[str, ...]:
+    """Names of all heavy atoms of a nucleotide in the order of the wwPDB."""
+    return tuple(atom.GetProp("name") for atom in _nucleotide(residue).GetAtoms())

@@ -19,6 +19,7 @@ from typing import Final
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica.atoms.measures import rigid_fit
 from loopelastica.molecule.nucleotides import BACKBONE
 from loopelastica.molecule.strands import Strand, ideal_strand, line_frame
 
@@ -217,8 +218,6 @@ def _cartesian(row: tuple[float, float, float]) -> Array:
 
 def _moved(model: Array, target: Array, point: Array) -> Array:
     """The point carried along when `model` is laid on `target` (least squares, no reflection)."""
-    from scipy.spatial.transform import Rotation
-
-    turn = Rotation.align_vectors(target - target.mean(axis=0), model - model.mean(axis=0))[0]
-    moved: Array = turn.apply(point - model.mean(axis=0)) + target.mean(axis=0)
+    rotation, shift = rigid_fit(model, target)
+    moved: Array = rotation @ point + shift
     return moved

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
-from loopelastica.atoms.chemistry import LoopMolecule, Residue
+from loopelastica.atoms.chemistry import LoopMolecule
 from loopelastica.atoms.ideal import ideal_value
 
 Index = NDArray[np.int64]
+Moving = NDArray[np.bool_]
 
 BOND_SD_A: Final = 0.012
 ANGLE_SD_DEG: Final = 2.0
@@ -31,7 +33,7 @@ CHIRALITY: Final = (
     ("P", ("O3'", "OP1", "OP2"), 2.45),
 )
 
-_RING: Final = ("C1'", "C2'", "C3'", "C4'", "O4'")
+RING_OF_SUGAR: Final = ("C1'", "C2'", "C3'", "C4'", "O4'")
 _AMPLITUDE_DEG: Final = 38.0
 PUCKERS_DEG: Final = (18.0, 162.0)
 """C3'-endo and C2'-endo, the two puckers that sugars have."""
@@ -49,18 +51,51 @@ take away."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IdealGeometry:
-    """Bonds (b, 2), lengths; angles (a, 3), degrees; both over the rows of a `LoopMolecule`."""
+    """What the chemistry asks of every term with a moving atom in it; rows of a `LoopMolecule`.
+
+    Attributes
+    ----------
+    bonds, length_A : (b, 2), (b,) array
+    angles, angle_deg : (a, 3), (a,) array
+    chiral, volume_A3 : (q, 4), (q,) array
+        Centre and three neighbours, and their signed volume.
+    planar : (p, 4) array
+        Atoms in a plane.
+    torsions : (t, 4) array
+        α, γ and ζ of the backbone.
+    rings : (s, 5) array
+        C1' C2' C3' C4' O4' of each sugar.
+    """
 
     bonds: Index
     length_A: Array
     angles: Index
     angle_deg: Array
+    chiral: Index
+    volume_A3: Array
+    planar: Index
+    torsions: Index
+    rings: Index
 
 
-def ideal_geometry(molecule: LoopMolecule) -> IdealGeometry:
-    """Ideal lengths and angles of every bond and angle that has a loop atom in it."""
-    n = len(molecule.residues)
-    moving = [0 <= r < n for r in molecule.residue]
+def ideal_geometry(molecule: LoopMolecule, moving: Moving | None = None) -> IdealGeometry:
+    """Ideal values of every bond, angle, … that has a moving atom in it.
+
+    A phosphorus whose two free oxygens are there already is no centre: they keep their names.
+
+    Parameters
+    ----------
+    molecule : LoopMolecule
+    moving : (N,) array of bool, optional
+        Atoms that are built; default those of the strand itself.
+
+    Returns
+    -------
+    IdealGeometry
+    """
+    if moving is None:
+        moving = np.zeros(len(molecule.names), dtype=np.bool_)
+        moving[molecule.loop_atoms] = True
     fallback = _Mmff(molecule.mol)
     bonds, lengths, angles, degrees = [], [], [], []
     for i, j in molecule.bonds:
@@ -73,7 +108,28 @@ def ideal_geometry(molecule: LoopMolecule) -> IdealGeometry:
             angles.append((i, j, k))
             value = _tabulated(molecule, i, j, k)
             degrees.append(fallback.angle(i, j, k) if value is None else value)
-    return IdealGeometry(np.array(bonds), np.array(lengths), np.array(angles), np.array(degrees))
+    return IdealGeometry(
+        np.array(bonds, dtype=np.int64).reshape(-1, 2),
+        np.array(lengths),
+        np.array(angles, dtype=np.int64).reshape(-1, 3),
+        np.array(degrees),
+        *_centres(molecule, moving),
+        _with_one(planar_quads(molecule), moving),
+        _with_one(backbone_torsions(molecule), moving),
+        _with_one(np.array(list(sugars(molecule).values()), dtype=np.int64).reshape(-1, 5), moving),
+    )
+
+
+def _centres(molecule: LoopMolecule, moving: Moving) -> tuple[Index, Array]:
+    quads, volumes = chiral_quads(molecule)
+    phosphorus = np.array([molecule.names[row] == "P" for row in quads[:, 0]], dtype=np.bool_)
+    own = moving[quads].any(axis=1) & ~(phosphorus & ~moving[quads[:, [0, 2, 3]]].any(axis=1))
+    return quads[own], volumes[own]
+
+
+def _with_one(rows: Index, moving: Moving) -> Index:
+    """Those rows of which an atom moves."""
+    return rows[moving[rows].any(axis=1)]
 
 
 def outer_distances(geometry: IdealGeometry) -> tuple[Index, Array, Array]:
@@ -93,26 +149,23 @@ def outer_distances(geometry: IdealGeometry) -> tuple[Index, Array, Array]:
         pairs.append((i, k))
         values.append(outer)
         deviations.append(a * b * np.sin(angle) / outer * np.deg2rad(ANGLE_SD_DEG))
-    return np.array(pairs), np.array(values), np.array(deviations)
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2), np.array(values), np.array(deviations)
 
 
 def chiral_quads(molecule: LoopMolecule) -> tuple[Index, Array]:
-    """Centre and three neighbours (q, 4) and their signed volume (q,), Å³.
-
-    The phosphorus of the 3' closing nucleotide is not among them: its oxygens are the stem's.
-    """
-    rows = _rows(molecule)
+    """Centre and three neighbours (q, 4) and their signed volume (q,), Å³."""
+    rows = molecule.rows
     quads, volumes = [], []
-    for residue in range(len(molecule.residues)):
+    for residue in molecule.kinds:
         for centre, neighbours, volume in CHIRALITY:
             quad = [rows.get((residue, centre))]
             for name in neighbours:
                 owner = residue - 1 if (centre, name) == ("P", "O3'") else residue
-                quad.append(_named(molecule, rows, owner, name))
+                quad.append(_named(molecule, owner, name))
             if None not in quad:
                 quads.append(quad)
                 volumes.append(volume)
-    return np.array(quads, dtype=np.int64), np.array(volumes)
+    return np.array(quads, dtype=np.int64).reshape(-1, 4), np.array(volumes)
 
 
 def planar_quads(molecule: LoopMolecule) -> Index:
@@ -139,64 +192,72 @@ def planar_quads(molecule: LoopMolecule) -> Index:
     return np.array(quads, dtype=np.int64).reshape(-1, 4)
 
 
-def ring_quads(
-    molecule: LoopMolecule, geometry: IdealGeometry, phases_deg: Array
-) -> tuple[Index, Array]:
-    """Four neighbours along each sugar ring (5 n, 4) and their volume (5 n,) at a pucker, Å³.
+def sugars(molecule: LoopMolecule) -> dict[int, list[int]]:
+    """Rows of C1' C2' C3' C4' O4' of every nucleotide that has them all."""
+    found = {
+        residue: [molecule.rows.get((residue, name), -1) for name in RING_OF_SUGAR]
+        for residue in molecule.kinds
+    }
+    return {residue: ring for residue, ring in found.items() if -1 not in ring}
+
+
+def ring_quads(rings: Index, phases_deg: Array) -> tuple[Index, Array]:
+    """Four neighbours along each sugar ring (5 s, 4) and their volume (5 s,) at a pucker, Å³.
 
     Torsions of the ring are 38° cos(P + 144° j), 38° being the amplitude that is usual in
     nucleotides: Altona & Sundaralingam, J. Am. Chem. Soc. 94 (1972) 8205, doi:10.1021/ja00778a043.
 
     Parameters
     ----------
-    molecule : LoopMolecule
-    geometry : IdealGeometry
-        Its lengths and angles.
-    phases_deg : (n,) array
+    rings : (s, 5) array of int
+        Rows of each sugar, as :func:`sugars` has them.
+    phases_deg : (s,) array
         Phase of pseudorotation of each sugar.
 
     Returns
     -------
-    quads : (5 n, 4) array of int
-    volume : (5 n,) array
+    quads : (5 s, 4) array of int
+    volume : (5 s,) array
         Å³.
     """
-    rows = _rows(molecule)
-    length = {
-        frozenset(b): v for b, v in zip(geometry.bonds.tolist(), geometry.length_A, strict=True)
-    }
-    angle = {
-        (frozenset((i, k)), j): v
-        for (i, j, k), v in zip(geometry.angles.tolist(), geometry.angle_deg, strict=True)
-    }
-    quads, volumes = [], []
-    for residue, phase in enumerate(phases_deg):
-        ring = [rows[residue, name] for name in _RING]
-        for j in range(5):
-            a, b, c, d = (ring[(j + step) % 5] for step in range(4))
-            torsion = np.deg2rad(_AMPLITUDE_DEG * np.cos(np.deg2rad(phase + 144.0 * j)))
-            size = length[frozenset((a, b))] * length[frozenset((b, c))] * length[frozenset((c, d))]
-            size *= np.sin(np.deg2rad(angle[frozenset((a, c)), b]))
-            size *= np.sin(np.deg2rad(angle[frozenset((b, d)), c]))
-            quads.append((a, b, c, d))
-            volumes.append(size * np.sin(torsion))
-    return np.array(quads, dtype=np.int64), np.array(volumes)
+    turns = (np.arange(5)[:, None] + np.arange(4)) % 5
+    torsion = np.cos(np.deg2rad(np.asarray(phases_deg)[:, None] + 144.0 * np.arange(5)))
+    volume = _ring_sizes() * np.sin(np.deg2rad(_AMPLITUDE_DEG * torsion))
+    return rings[:, turns].reshape(-1, 4), volume.ravel()
+
+
+@lru_cache
+def _ring_sizes() -> Array:
+    """Volume of four neighbours of the ring per sine of their torsion (5,), Å³."""
+    sizes = []
+    for j in range(5):
+        a, b, c, d = (RING_OF_SUGAR[(j + step) % 5] for step in range(4))
+        size = everywhere(a, b) * everywhere(b, c) * everywhere(c, d)
+        size *= np.sin(np.deg2rad(everywhere(a, b, c))) * np.sin(np.deg2rad(everywhere(b, c, d)))
+        sizes.append(size)
+    return np.array(sizes)
+
+
+def everywhere(*names: str) -> float:
+    """An ideal length or angle of sugar and phosphate, which every nucleotide has."""
+    value = ideal_value("A", False, *names)
+    assert value is not None
+    return value
 
 
 def backbone_torsions(molecule: LoopMolecule) -> Index:
-    """α, γ and ζ (t, 4) of the loop's backbone: torsions with three staggered places."""
-    rows = _rows(molecule)
+    """α, γ and ζ (t, 4) of the backbone: torsions with three staggered places."""
     quads = []
-    for k in range(len(molecule.residues) + 1):
+    for k in molecule.kinds:
         for names in (
             ((-1, "O3'"), (0, "P"), (0, "O5'"), (0, "C5'")),
             ((0, "O5'"), (0, "C5'"), (0, "C4'"), (0, "C3'")),
             ((-1, "C3'"), (-1, "O3'"), (0, "P"), (0, "O5'")),
         ):
-            quad = [rows.get((k + step, name)) for step, name in names]
+            quad = [molecule.rows.get((k + step, name)) for step, name in names]
             if None not in quad:
                 quads.append(quad)
-    return np.array(quads, dtype=np.int64)
+    return np.array(quads, dtype=np.int64).reshape(-1, 4)
 
 
 def separations(molecule: LoopMolecule) -> Array:
@@ -222,16 +283,10 @@ def nearest_A(polar: NDArray[np.bool_], other_polar: NDArray[np.bool_]) -> Array
     return np.where(polar[:, None] & other_polar[None], NEAREST_POLAR_A, NEAREST_A)
 
 
-def _rows(molecule: LoopMolecule) -> dict[tuple[int, str], int]:
-    return {key: row for row, key in enumerate(zip(molecule.residue, molecule.names, strict=True))}
-
-
-def _named(
-    molecule: LoopMolecule, rows: dict[tuple[int, str], int], residue: int, name: str
-) -> int | None:
+def _named(molecule: LoopMolecule, residue: int, name: str) -> int | None:
     if name == "base":
-        name = "N9" if molecule.residues[residue].letter in "AG" else "N1"
-    return rows.get((residue, name))
+        name = "N9" if molecule.kinds[residue].letter in "AG" else "N1"
+    return molecule.rows.get((residue, name))
 
 
 def _angles(molecule: LoopMolecule) -> Iterator[tuple[int, int, int]]:
@@ -243,11 +298,9 @@ def _angles(molecule: LoopMolecule) -> Iterator[tuple[int, int, int]]:
 
 
 def _tabulated(molecule: LoopMolecule, *rows: int) -> float | None:
-    n = len(molecule.residues)
-    # the middle atom says which nucleotide it is; at the junctions the loop's own neighbour does
-    owner = molecule.residue[rows[1]]
-    residue: Residue = molecule.residues[min(max(owner, 0), n - 1)]
-    return ideal_value(residue.letter, residue.is_dna, *(molecule.names[row] for row in rows))
+    # the middle atom says which nucleotide it is
+    kind = molecule.kinds[molecule.residue[rows[1]]]
+    return ideal_value(kind.letter, kind.is_dna, *(molecule.names[row] for row in rows))
 
 
 class _Mmff:

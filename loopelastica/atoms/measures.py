@@ -116,3 +116,25 @@ def pucker_name(phase: float) -> str:
     names = ("C3'-endo", "C4'-exo", "O4'-endo", "C1'-exo", "C2'-endo", "C3'-exo", "C4'-endo",
              "O4'-exo", "C1'-endo", "C2'-exo")  # fmt: skip
     return names[int(phase % 360.0 // 36.0)]
+
+
+def rigid_fit(model: Array, target: Array) -> tuple[Array, Array]:
+    """Rotation (3, 3) and shift (3,) that lay points on others by least squares, no reflection.
+
+    Kabsch, Acta Cryst. A32 (1976) 922, doi:10.1107/S0567739476001873.
+
+    Parameters
+    ----------
+    model, target : (m, 3) array
+        Å.
+
+    Returns
+    -------
+    rotation, shift : (3, 3), (3,) array
+        The model's points are at ``model @ rotation.T + shift``.
+    """
+    here, there = model.mean(axis=0), target.mean(axis=0)
+    u, _, vt = np.linalg.svd((target - there).T @ (model - here))
+    hand = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
+    rotation = u @ hand @ vt
+    return rotation, there - rotation @ here

@@ -9,34 +9,25 @@ motion of the input moves the atoms by the same motion and by nothing else.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from itertools import product
-from typing import Any, Final
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import array, optional, positive, shown, whole
 from loopelastica.atoms.carry import Line
-from loopelastica.atoms.checks import Checks, check
+from loopelastica.atoms.checks import Checks
 from loopelastica.atoms.chemistry import LoopMolecule
-from loopelastica.atoms.minimum import minimum
 from loopelastica.atoms.relax import Relaxed
-from loopelastica.atoms.site import Site, site_of
-from loopelastica.atoms.start import moved_out, shifted, start_on
-from loopelastica.atoms.turn import Turns, check_contact, turned
+from loopelastica.atoms.search import Limits, best_on
+from loopelastica.atoms.site import Site, native_backbone, site_of
+from loopelastica.atoms.turn import Turns, check_contact
 from loopelastica.errors import StructureError
 from loopelastica.folding.rank import Candidate
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import BACKBONE, read_structure
 from loopelastica.molecule.strands import ideal_strand
-
-LINE_SD_A: Final = (0.3, 1.0, 3.0)
-"""How near the backbone centroids are held to the line. The next one is for lines from which no
-sound model (right hands, whole chain, no clash) has come: a rod has no thickness and may run
-through the stem or itself. The nucleotides are then moved out of the way first."""
-MOST_TRIES: Final = 12
-"""Combinations of Ω and χ that are tried in all where the first ones give no sound model."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -88,7 +79,7 @@ def build_atoms(
     positions: Array | None = None,
     contact: str | None = None,
     tries: int = 3,
-    max_steps: int = 300,
+    max_steps: int = 5000,
     max_seconds: float = 60.0,
     max_candidates: int | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -108,10 +99,11 @@ def build_atoms(
     contact : {"sheared", "watson-crick"}, optional
         Contact across the loop to be sought; see :func:`loopelastica.atoms.turn.turned`.
     tries : int
-        Combinations of Ω and χ minimized per candidate; the best minimum is kept. More are tried
-        (up to `MOST_TRIES`) where none of these gives a sound model.
-    max_steps, max_seconds : int, float
-        Limits of each minimization; how it ended is in ``relaxed.status``.
+        Sound models, of different Ω and χ, that are compared per candidate; the best is kept.
+    max_steps : int
+        Most steps of a minimization; how it ended is in ``relaxed.status``.
+    max_seconds : float
+        Time per candidate.
     max_candidates : int, optional
         Only the first ones.
     progress : callable, optional
@@ -158,79 +150,39 @@ def build_atoms(
             )
         structure.check(positions, model)
     site = site_of(structure, fold, positions)
+    native = native_backbone(structure, fold, positions)
+    limits = Limits(tries, max_steps, max_seconds)
     chosen = fold.candidates[:max_candidates]
     models = []
     for done, candidate in enumerate(chosen, start=1):
-        models.append(_candidate(site, fold, candidate, contact, tries, max_steps, max_seconds))
+        built = _candidate(site, fold, candidate, contact, limits)
+        models.append(replace(built, rmsd_A=_rmsd_A(built, native)))
         if progress is not None:
             progress(done, len(chosen))
     return models
 
 
 def _candidate(
-    site: Site,
-    fold: LoopFold,
-    candidate: Candidate,
-    contact: str | None,
-    tries: int,
-    max_steps: int,
-    max_seconds: float,
+    site: Site, fold: LoopFold, candidate: Candidate, contact: str | None, limits: Limits
 ) -> AtomModel:
     assert fold.ends is not None
-    residues = site.molecule.residues
-    n = len(residues)
     line = Line.between(candidate.rod, fold.ends, ideal_strand(fold.hairpin.is_dna))
-    combinations = turned(
-        [r.letter for r in residues],
-        [r.is_dna for r in residues],
-        line,
-        site.stem,
-        contact=contact,
-        keep=max(tries, MOST_TRIES),
-    )
-    centers = line.at(np.arange(1, n + 1))[0]
-    best: tuple[tuple[bool, float], Turns, Array, Relaxed, Checks] | None = None
-    rounds = product((combinations[:tries], combinations[tries:]), enumerate(LINE_SD_A))
-    for chosen, (attempt, line_sd) in rounds:
-        for turns in chosen:
-            start = start_on(site, line, turns)
-            moved = moved_out(site, start) if attempt else np.zeros((n, 3))
-            relaxed = minimum(
-                site, centers + moved, line_sd, shifted(site, start, moved), max_steps, max_seconds
-            )
-            checks = check(site.molecule, site.geometry, relaxed.positions_A, site.around,
-                           centers, start)  # fmt: skip
-            # chemistry first, then the strain that is left against what stacking has gained
-            order = (not checks.sound, 0.1 * sum(relaxed.cost.values()) + turns.score)
-            if best is None or order < best[0]:
-                best = order, turns, start, relaxed, checks
-        if best is not None and best[-1].sound:
-            break
-    assert best is not None
-    _, turns, start, relaxed, checks = best
-    out = relaxed.positions_A @ site.frame.T + site.origin
-    for row, at in site.file_rows.items():
-        out[row] = at
+    best, combinations, _ = best_on(site, line, limits, contact=contact)
     return AtomModel(
         candidate.rank,
         site.molecule,
-        out,
-        turns,
-        tuple(t for t in combinations[: max(tries, 3)] if t is not turns),
-        start @ site.frame.T + site.origin,
-        relaxed,
-        checks,
-        _rmsd_A(site, out),
+        site.in_file(best.relaxed.positions_A),
+        best.turns,
+        tuple(t for t in combinations[: max(limits.tries, 3)] if t is not best.turns),
+        best.start_A @ site.frame.T + site.origin,
+        best.relaxed,
+        best.checks,
+        None,
     )
 
 
-def _rmsd_A(site: Site, positions: Array) -> float | None:
-    molecule = site.molecule
-    own = np.array(
-        [
-            [positions[molecule.index(k, name)] for name in BACKBONE]
-            for k in range(len(molecule.residues))
-        ]
-    )
-    away = ((own - site.native) ** 2).sum(axis=-1)
+def _rmsd_A(model: AtomModel, native: Array) -> float | None:
+    molecule = model.molecule
+    rows = [[molecule.index(k, name) for name in BACKBONE] for k in range(molecule.n)]
+    away = ((model.positions_A[np.array(rows)] - native) ** 2).sum(axis=-1)
     return float(np.sqrt(away.mean())) if np.isfinite(away).all() else None

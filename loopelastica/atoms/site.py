@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from loopelastica._arrays import Array
+from loopelastica._arrays import Array, Record
 from loopelastica.atoms.chemistry import (
     JUNCTION_3,
     JUNCTION_5,
@@ -22,26 +23,136 @@ from loopelastica.errors import StructureError
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import BACKBONE, RING, Structure, atom_positions
 
+NOBODY: Final = -99
 GRID_A: Final = 6
 """Decimals that are kept: below them, turns of the input would make the arithmetic differ."""
 WATER: Final = ("HOH", "DOD", "WAT", "SOL", "H2O", "TIP", "TIP3", "TIP4")
-_NEIGHBOURHOOD_A: Final = 14.0
+NEIGHBOURHOOD_A: Final = 16.0
+_METALS: Final = (
+    "LI NA K RB CS MG CA SR BA MN FE CO NI CU ZN CD HG AG PT PB TL SM GD TB EU YB LU LA CE PR ND HO"
+    " ER DY TM AL GA IN IR OS RU RH PD AU CR V W MO Y ZR"
+)
+METALS: Final = frozenset(_METALS.split())
+"""Residue names of metal ions."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Around(Record):
+    """Heavy atoms near a strand that are no part of its molecule.
+
+    Attributes
+    ----------
+    positions_A : (m, 3) array
+        In the local frame, Å.
+    polar, metal : (m,) array of bool
+        Of nitrogen and oxygen; of metal ions.
+    owner : (m,) array of int
+        Nucleotide of the molecule that an atom belongs to, such as an unknown group of a modified
+        one: atoms of that nucleotide do not avoid it. `NOBODY` for all others.
+    label : (m,) array of str
+    """
+
+    positions_A: Array
+    polar: NDArray[np.bool_]
+    metal: NDArray[np.bool_]
+    owner: NDArray[np.int64]
+    label: NDArray[np.str_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Site:
-    """What all candidates of a loop share, in the frame of the line's start."""
+    """What all attempts at a strand share, in a local frame.
+
+    Attributes
+    ----------
+    molecule : LoopMolecule
+    geometry : IdealGeometry
+    moving : (N,) array of bool
+        Atoms that are built.
+    fixed_A : (N, 3) array
+        Where the others are; NaN for what moves.
+    around : Around
+    stem : Surroundings
+        The same for Ω and χ.
+    origin, frame : (3,), (3, 3) array
+        The local frame in the coordinates of the file.
+    file_A : (N, 3) array
+        The fixed atoms in the file's coordinates, to the digit.
+    labels : mapping of int to str
+        What sentences call each nucleotide.
+    """
 
     molecule: LoopMolecule
     geometry: IdealGeometry
-    fixed: dict[int, Array]  # rows of the molecule that belong to the stem
-    file_rows: dict[int, Array]  # the same in the file's coordinates
-    around: Array  # heavy atoms near the loop that are no part of the molecule
-    around_polar: NDArray[np.bool_]
+    moving: NDArray[np.bool_]
+    fixed_A: Array
+    around: Around
     stem: Surroundings
     origin: Array
     frame: Array
-    native: Array  # six backbone atoms of the file's own loop, its coordinates; NaN where missing
+    file_A: Array
+    labels: Mapping[int, str]
+
+    def label(self, row: int) -> str:
+        """An atom of the molecule or, from N on, of what is around, such as "2:C3'"."""
+        n = len(self.molecule.names)
+        if row >= n:
+            return str(self.around.label[row - n])
+        return f"{self.labels[self.molecule.residue[row]]}:{self.molecule.names[row]}"
+
+    def in_file(self, positions: Array) -> Array:
+        """Local positions (N, 3) in the coordinates of the file; fixed atoms as they are there."""
+        return np.where(self.moving[:, None], positions @ self.frame.T + self.origin, self.file_A)
+
+
+def placed(
+    molecule: LoopMolecule,
+    file_A: Array,
+    around: Around,
+    ring_A: Array,
+    origin: Array,
+    frame: Array,
+    labels: Mapping[int, str],
+) -> Site:
+    """A site from atoms in the coordinates of the file.
+
+    Parameters
+    ----------
+    molecule : LoopMolecule
+    file_A : (N, 3) array
+        Atoms that are there, NaN for those to be built, Å.
+    around : Around
+        In the local frame.
+    ring_A : (b, 6, 3) array
+        Six-membered rings of the nucleotides before and after, local; NaN where one is missing.
+    origin, frame : (3,), (3, 3) array
+    labels : mapping of int to str
+
+    Returns
+    -------
+    Site
+    """
+    moving = np.asarray(~np.isfinite(file_A).all(axis=1), dtype=np.bool_)
+    fixed = np.round((file_A - origin) @ frame, GRID_A)
+    near = [around.positions_A]
+    # the flanks are in the way too, but for what the junctions bond
+    for k in (-1, molecule.n):
+        bonded = JUNCTION_5 if k < 0 else JUNCTION_3
+        near += [fixed[[row]] for (number, name), row in molecule.rows.items()
+                 if number == k and name not in bonded and not moving[row]]  # fmt: skip
+    stem = Surroundings(
+        np.concatenate(near),
+        ring_A[np.isfinite(ring_A).all(axis=(1, 2))],
+        _bonded(molecule, fixed, -1, "O3'"),
+        _bonded(molecule, fixed, molecule.n, "P"),
+    )
+    return Site(molecule, ideal_geometry(molecule, moving), moving, fixed, around, stem, origin,
+                frame, file_A, labels)  # fmt: skip
+
+
+def _bonded(molecule: LoopMolecule, fixed: Array, residue: int, name: str) -> Array:
+    row = molecule.rows.get((residue, name))
+    return np.full(3, np.nan) if row is None else fixed[row]
 
 
 def loop_residues(structure: Structure, fold: LoopFold) -> list[Residue]:
@@ -105,49 +216,35 @@ def site_of(structure: Structure, fold: LoopFold, positions: Array) -> Site:
     table, hairpin = structure.nucleotides, fold.hairpin
     molecule = loop_molecule(loop_residues(structure, fold))
     origin, frame = fold.ends.start_origin_A, fold.ends.start_frame
-    n = len(hairpin.loop)
-    in_file: dict[int, Array] = {}
+    n = molecule.n
+    file_A = np.full((len(molecule.names), 3), np.nan)
     used: list[int] = []
-    for residue, row, names in (
-        (-1, int(hairpin.stem_5[0]), JUNCTION_5),
-        (n, int(hairpin.stem_3[0]), JUNCTION_3),
-    ):
-        for name in names:
-            atom = int(table.columns([name])[row, 0])
-            if atom < 0 or not np.isfinite(positions[atom]).all():
-                raise StructureError(
-                    f"{table.label(row)}: no {name} atom; the loop cannot be joined to the stem"
-                    " and gets no atoms"
-                )
-            used.append(atom)
-            in_file[molecule.index(residue, name)] = positions[atom]
+    closing = {-1: int(hairpin.stem_5[0]), n: int(hairpin.stem_3[0])}
+    for (residue, name), row in molecule.rows.items():
+        if residue not in closing:
+            continue
+        atom = int(table.columns([name])[closing[residue], 0])
+        if atom < 0 or not np.isfinite(positions[atom]).all():
+            raise StructureError(
+                f"{table.label(closing[residue])}: no {name} atom; the loop cannot be joined to the"
+                " stem and gets no atoms"
+            )
+        used.append(atom)
+        file_A[row] = positions[atom]
     local = np.round((positions - origin) @ frame, GRID_A)
-    fixed = {row: np.round((at - origin) @ frame, GRID_A) for row, at in in_file.items()}
-    around, polar = _around(structure, fold, local, used)
-    rings = atom_positions(table, local, RING)[[hairpin.stem_5[0], hairpin.stem_3[0]]]
-    stem = Surroundings(
-        around,
-        rings[np.isfinite(rings).all(axis=(1, 2))],
-        fixed[molecule.index(-1, "O3'")],
-        fixed[molecule.index(n, "P")],
-    )
-    return Site(
-        molecule,
-        ideal_geometry(molecule),
-        fixed,
-        in_file,
-        around,
-        polar,
-        stem,
-        origin,
-        frame,
-        atom_positions(table, positions, BACKBONE)[hairpin.loop],
+    rings = atom_positions(table, local, RING)[[closing[-1], closing[n]]]
+    labels = {k: str(k + 1) for k in molecule.kinds}
+    return placed(
+        molecule, file_A, _around(structure, fold, local, used), rings, origin, frame, labels
     )
 
 
-def _around(
-    structure: Structure, fold: LoopFold, local: Array, used: list[int]
-) -> tuple[Array, NDArray[np.bool_]]:
+def native_backbone(structure: Structure, fold: LoopFold, positions: Array) -> Array:
+    """Six backbone atoms (n, 6, 3) of the file's own loop; NaN where one is missing."""
+    return atom_positions(structure.nucleotides, positions, BACKBONE)[fold.hairpin.loop]
+
+
+def _around(structure: Structure, fold: LoopFold, local: Array, used: list[int]) -> Around:
     """Heavy atoms near any candidate, the loop's own and the junctions' left out."""
     from scipy.spatial import cKDTree
 
@@ -162,9 +259,22 @@ def _around(
         [c.length_A * c.rod.centerline(4 * len(fold.hairpin.loop)) for c in fold.candidates]
     )
     rows = np.flatnonzero(outside)
-    near = cKDTree(points).query(local[rows], distance_upper_bound=_NEIGHBOURHOOD_A)[0]
+    near = cKDTree(points).query(local[rows], distance_upper_bound=NEIGHBOURHOOD_A)[0]
     rows = rows[np.isfinite(near)]
-    return local[rows], np.isin(element[rows], ["N", "O"])
+    atoms = structure.universe.atoms[rows]
+    resnames = np.char.upper(np.char.strip(atoms.resnames.astype(str)))
+    metal = np.isin(resnames, sorted(METALS))
+    label = [
+        f"{resname}{resid}:{name}"
+        for resname, resid, name in zip(atoms.resnames, atoms.resids, atoms.names, strict=True)
+    ]
+    return Around(
+        local[rows],
+        np.isin(element[rows], ["N", "O"]) & ~metal,
+        metal,
+        np.full(len(rows), NOBODY),
+        np.array(label, dtype=np.str_),
+    )
 
 
 def waters(structure: Structure) -> NDArray[np.bool_]:

@@ -20,16 +20,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import shown
-from loopelastica.atoms.carry import Line
+from loopelastica.atoms.carry import Curve
 from loopelastica.atoms.fibre import fibre_nucleotide, in_line_frame
 from loopelastica.atoms.measures import chi_torsion, torsion_deg
 from loopelastica.molecule.nucleotides import RING
@@ -64,11 +64,11 @@ class Surroundings(Record):
     Attributes
     ----------
     atoms_A : (m, 3) array
-        Heavy atoms near the loop, without those that the junctions bond.
+        Heavy atoms near the strand, without those that the junctions bond.
     rings_A : (b, 6, 3) array
-        Six-membered rings of the closing pair.
+        Six-membered rings of the nucleotides before and after.
     o3_A, p_A : (3,) array
-        O3' of the 5' closing nucleotide and P of the 3' closing one.
+        O3' of the nucleotide before and P of the one after; NaN where they are not there.
     """
 
     atoms_A: Array
@@ -95,7 +95,7 @@ def check_contact(contact: str | None) -> None:
 def turned(
     letters: Sequence[str],
     is_dna: Sequence[bool],
-    line: Line,
+    line: Curve,
     stem: Surroundings,
     *,
     contact: str | None = None,
@@ -107,7 +107,7 @@ def turned(
     ----------
     letters, is_dna : sequence
         Parent base and sugar of each loop nucleotide.
-    line : Line
+    line : Curve
         What they are turned about.
     stem : Surroundings
         What is in the way.
@@ -150,7 +150,7 @@ def turned(
 
 
 def place(
-    letter: str, is_dna: bool, line: Line, k: int, omega: float, chi: float
+    letter: str, is_dna: bool, line: Curve, k: int, omega: float, chi: float
 ) -> dict[str, Array]:
     """Atoms of one loop nucleotide without its phosphate.
 
@@ -158,7 +158,7 @@ def place(
     ----------
     letter, is_dna
         Parent base and sugar.
-    line : Line
+    line : Curve
         Where it lies.
     k : int
         Its number in the loop, from 1.
@@ -190,6 +190,7 @@ class _State:
         return _plane(self.atoms[:, [self.names.index(name) for name in RING]])
 
 
+@lru_cache
 def _all_turns() -> tuple[Array, Array]:
     """Ω and χ class of each state: χ varies fastest."""
     omega = np.arange(OMEGA_STEPS) * (360.0 / OMEGA_STEPS)
@@ -197,13 +198,14 @@ def _all_turns() -> tuple[Array, Array]:
     return np.repeat(omega, n_chi), np.tile(np.arange(n_chi), OMEGA_STEPS)
 
 
+@lru_cache
 def _chi_changes(letter: str, is_dna: bool) -> Array:
     atoms = fibre_nucleotide(letter, is_dna)
     fibre = torsion_deg(*(atoms[name] for name in chi_torsion(letter)))
     return np.array([*CHI_CHANGES_DEG, SYN_CHI_DEG - fibre])
 
 
-def _states(letter: str, is_dna: bool, line: Line, k: int) -> _State:
+def _states(letter: str, is_dna: bool, line: Curve, k: int) -> _State:
     omega, chi = _all_turns()
     names, local = _local(letter, is_dna, _chi_changes(letter, is_dna))
     point, frame = line.at([float(k)])
@@ -241,14 +243,10 @@ def _plane(rings: Array) -> tuple[Array, Array]:
 
 def _clash(a: Array, b: Array) -> Array:
     """Σ over atom pairs, (s, t), of (s, a, 3) and (t, b, 3)."""
-    total = np.zeros((len(a), len(b)))
-    flat = b.reshape(-1, 3)
-    for column in range(a.shape[1]):
-        square = cdist(a[:, column], flat, "sqeuclidean")
-        rows, columns = np.nonzero(square < _CLASH_A**2)
-        overlap = _CLASH_A - np.sqrt(square[rows, columns])
-        np.add.at(total, (rows, columns // b.shape[1]), overlap**2)
-    return total
+    from loopelastica.atoms.kernels.clash import overlap_sums
+
+    # copies: slices and read-only arrays would be other types to the kernel
+    return np.asarray(overlap_sums(np.array(a, order="C"), np.array(b, order="C"), _CLASH_A))
 
 
 def _stacking(a: tuple[Array, Array], b: tuple[Array, Array]) -> Array:
@@ -272,10 +270,10 @@ def _unary(state: _State, letter: str, stem: Surroundings, k: int, n: int) -> Ar
     score = np.where(chi == len(CHI_CHANGES_DEG), 1.0 if letter in "AG" else 2.0, 0.0)
     score = score + _clash(state.atoms, stem.atoms_A[None])[:, 0]
     score = score + _stacking(state.ring, _plane(stem.rings_A)).sum(axis=1)
-    if k == 0:
+    if k == 0 and np.isfinite(stem.o3_A).all():
         distance = np.linalg.norm(state.atom("O5'") - stem.o3_A, axis=1)
         score = score + _junction(distance, _JUNCTION_A)
-    if k == n - 1:
+    if k == n - 1 and np.isfinite(stem.p_A).all():
         # here the phosphorus itself is known
         distance = np.linalg.norm(state.atom("O3'") - stem.p_A, axis=1)
         score = score + _junction(distance, 1.6)

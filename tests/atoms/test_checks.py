@@ -1,8 +1,22 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
 from loopelastica.atoms.checks import check
-from loopelastica.atoms.site import site_of
+from loopelastica.atoms.relax import Status
+from loopelastica.atoms.site import NOBODY, Around, site_of
+
+
+def around(positions, metal=False, owner=NOBODY):
+    n = len(positions)
+    return Around(
+        np.asarray(positions),
+        np.zeros(n, dtype=bool),
+        np.full(n, metal),
+        np.full(n, owner),
+        np.full(n, "MG1:MG" if metal else "C1:C"),
+    )
 
 
 def test_what_is_broken_is_found(koc, fold, models):
@@ -12,7 +26,7 @@ def test_what_is_broken_is_found(koc, fold, models):
     line = np.zeros((4, 3))
 
     def checked(positions):
-        return check(model.molecule, site.geometry, positions, site.around, line, good)
+        return check(site, positions, line, good, Status.CONVERGED)
 
     assert checked(good).sound
     far = good.copy()
@@ -22,7 +36,7 @@ def test_what_is_broken_is_found(koc, fold, models):
     mirrored = good * [1.0, 1.0, -1.0]
     assert "1:C1'" in checked(mirrored).wrong_chirality
     close = good.copy()
-    shift = site.around[0] - good[model.molecule.index(2, "O2")]
+    shift = site.around.positions_A[0] - good[model.molecule.index(2, "O2")]
     close[model.molecule.index(2, "O2")] += shift * (1 - 1.0 / np.linalg.norm(shift))
     assert checked(close).closest_A < 1.1
     assert not checked(close).sound
@@ -41,19 +55,18 @@ def test_a_sugar_centre_flattened_below_half_its_volume_is_wrong(koc, fold, mode
     height = share * 2.45 / np.linalg.norm(np.cross(b - a, c - a))
     above = (positions[centre] - a) @ normal
     positions[centre] += (np.copysign(height, above) - above) * normal
-    checks = check(
-        model.molecule, site.geometry, positions, site.around, np.zeros((4, 3)), positions
-    )
+    checks = check(site, positions, np.zeros((4, 3)), positions, Status.CONVERGED)
     assert ("1:C1'" in checks.wrong_chirality) == wrong
 
 
 @pytest.fixture
 def checked(koc, fold, models):
     """Check positions of the first candidate, beside other atoms than the stem's if need be."""
-    model, site = models[0], site_of(koc, fold, koc.positions(0))
+    site = site_of(koc, fold, koc.positions(0))
 
-    def check_them(positions, around=site.around):
-        return check(model.molecule, site.geometry, positions, around, np.zeros((4, 3)), positions)
+    def check_them(positions, others=None, status=Status.CONVERGED, **kinds):
+        here = site if others is None else dataclasses.replace(site, around=around(others, **kinds))
+        return check(here, positions, np.zeros((4, 3)), positions, status)
 
     return check_them
 

@@ -139,8 +139,8 @@ def test_the_outer_distance_of_an_angle_is_the_cosine_rule():
 
 def test_ring_volumes_change_sign_between_the_puckers():
     molecule = loop_molecule([Residue("U", False, "U")])
-    geometry = ideal_geometry(molecule)
-    north = ring_quads(molecule, geometry, np.array([18.0]))[1]
-    south = ring_quads(molecule, geometry, np.array([162.0]))[1]
+    rings = ideal_geometry(molecule).rings
+    north = ring_quads(rings, np.array([18.0]))[1]
+    south = ring_quads(rings, np.array([162.0]))[1]
     assert north[0] > 1.5
     assert south[0] < -1.5

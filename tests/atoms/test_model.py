@@ -3,8 +3,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import loopelastica as le
-from loopelastica.atoms.checks import bond_lengths
-from loopelastica.atoms.model import LINE_SD_A, build_atoms
+from loopelastica.atoms.measures import bond_lengths
+from loopelastica.atoms.model import build_atoms
+from loopelastica.atoms.search import LINE_SD_A
 from loopelastica.errors import StructureError
 from loopelastica.folding.fold import fold_model
 from loopelastica.molecule.nucleotides import read_structure

@@ -1,0 +1,1 @@
+"""Compiled kernels of the atoms: sums of squares and their minimization, tables of clashes."""

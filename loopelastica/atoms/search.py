@@ -1,0 +1,185 @@
+"""From a line to sound atoms: combinations of Ω and χ, and looser lines, tried in a fixed order.
+
+    line → Ω and χ → start → minimum → checks
+
+The first sound models end the search. Where none is sound, the one that is nearest to it is given
+back, and its checks say what is wrong.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from loopelastica._arrays import Array
+from loopelastica.atoms.carry import Bent, Curve
+from loopelastica.atoms.checks import Checks, check
+from loopelastica.atoms.measures import angles_deg, bond_lengths
+from loopelastica.atoms.minimum import Problem, mended, minimum
+from loopelastica.atoms.relax import Relaxed
+from loopelastica.atoms.site import Site
+from loopelastica.atoms.start import start_on
+from loopelastica.atoms.turn import Turns, turned
+
+LINE_SD_A: Final = (0.3, 1.0, 3.0)
+"""How near the backbone centroids are held to the line. The next one is for lines from which no
+sound model has come: a rod has no thickness and may run through the stem or itself. The nucleotides
+are then moved out of the way first."""
+BENDS_A: Final = (2.5, 5.0)
+"""How far the line is bent to all sides where it leads to no sound model."""
+MOST_TRIES: Final = 12
+"""Combinations of a bend with Ω and χ that are minimized for each of these sizes."""
+MENDINGS: Final = 3
+HOPELESS: Final = 6.0
+"""A model that is further from sound than this (see `Checks.excess`) is not mended."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """When a search ends.
+
+    Attributes
+    ----------
+    tries : int
+        Sound models that are compared; the best is taken.
+    max_steps : int
+        Most steps of one minimization.
+    max_seconds : float
+        Wall time after which nothing more is tried.
+    """
+
+    tries: int
+    max_steps: int
+    max_seconds: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Attempt:
+    """One model in the local frame.
+
+    Attributes
+    ----------
+    turns : Turns
+    start_A : (N, 3) array
+        On the line, before anything moved.
+    relaxed : Relaxed
+    checks : Checks
+    """
+
+    turns: Turns
+    start_A: Array
+    relaxed: Relaxed
+    checks: Checks
+
+    @property
+    def order(self) -> tuple[float, float]:
+        """Chemistry first, then the strain that is left against what stacking has gained."""
+        return self.checks.excess, 0.1 * sum(self.relaxed.cost.values()) + self.turns.score
+
+
+def best_on(
+    site: Site, line: Curve, limits: Limits, *, contact: str | None = None
+) -> tuple[Attempt, list[Turns], int]:
+    """The best model on a line, and the combinations of Ω and χ, best first.
+
+    Parameters
+    ----------
+    site : Site
+        Where it is built.
+    line : Curve
+        In the site's frame.
+    limits : Limits
+    contact : str, optional
+        As for :func:`turned`.
+
+    Returns
+    -------
+    Attempt, list of Turns, int
+    """
+    end = time.monotonic() + limits.max_seconds
+    problem = Problem.at(site)
+    first = _combinations(site, line, contact, max(limits.tries, 3))
+    attempts: list[Attempt] = []
+    for curve, turns, line_sd in _schedule(site, line, first, contact):
+        attempts.append(_attempt(problem, curve, turns, line_sd, limits, end))
+        if sum(attempt.checks.sound for attempt in attempts) == limits.tries:
+            break
+        if time.monotonic() > end:
+            break
+    best = min(attempts, key=lambda attempt: attempt.order)
+    return best, first, len(attempts)
+
+
+def _combinations(site: Site, line: Curve, contact: str | None, keep: int) -> list[Turns]:
+    residues = site.molecule.residues
+    letters, is_dna = [r.letter for r in residues], [r.is_dna for r in residues]
+    return turned(letters, is_dna, line, site.stem, contact=contact, keep=keep)
+
+
+def _schedule(
+    site: Site, line: Curve, first: list[Turns], contact: str | None
+) -> Iterator[tuple[Curve, Turns, float]]:
+    """Line, combination, and how near to the line: what is tried, in this order."""
+    for turns in first:
+        yield line, turns, LINE_SD_A[0]
+    for line_sd, size_A in zip(LINE_SD_A[1:], BENDS_A, strict=True):
+        bent = [line, *_bends(line, site.molecule.n, size_A)]
+        found = [(t, curve) for curve in bent for t in _combinations(site, curve, contact, 2)]
+        found.sort(key=lambda pair: pair[0].score)
+        for turns, curve in found[:MOST_TRIES]:
+            yield curve, turns, line_sd
+
+
+def _bends(line: Curve, n: int, size_A: float) -> list[Bent]:
+    """The line bent to eight sides, and in waves."""
+    points, frames = line.at([0.5, 0.5 * (n + 1), n + 0.5])
+    along = points[2] - points[0]
+    # a normal of the line in its middle, where its ends are at one place
+    along = along if np.linalg.norm(along) > 1.0 else frames[1][:, 2]
+    along = along / np.linalg.norm(along)
+    u = frames[1][:, 0] - (frames[1][:, 0] @ along) * along
+    if np.linalg.norm(u) < 0.1:
+        u = frames[1][:, 1] - (frames[1][:, 1] @ along) * along
+    u /= np.linalg.norm(u)
+    v = np.cross(along, u)
+    size_A = min(size_A, 0.7 * n + 0.7)
+    turns = np.arange(8) * (math.tau / 8)
+    sides = [size_A * (math.cos(a) * u + math.sin(a) * v) for a in turns]
+    return [Bent(line, n, side) for side in sides] + [
+        Bent(line, n, 0.5 * side, 2) for side in sides[::2]
+    ]
+
+
+def _attempt(
+    problem: Problem, line: Curve, turns: Turns, line_sd: float, limits: Limits, end: float
+) -> Attempt:
+    site = problem.site
+    centers = np.round(line.at(np.arange(1, site.molecule.n + 1))[0], 6)
+    start = start_on(site, line, turns)
+    relaxed = minimum(
+        problem, centers, line_sd, start, limits.max_steps, max(end - time.monotonic(), 0.0)
+    )
+    checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
+    stress = np.ones(len(problem.pairs))
+    for _ in range(MENDINGS):
+        if checks.sound or checks.excess > HOPELESS or time.monotonic() > end:
+            break
+        stress *= _stress(site, relaxed.positions_A)
+        relaxed = mended(
+            problem, centers, relaxed, stress, limits.max_steps, max(end - time.monotonic(), 0.0)
+        )
+        checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
+    return Attempt(turns, start, relaxed, checks)
+
+
+def _stress(site: Site, positions: Array) -> Array:
+    """How much stiffer bonds and angles become that are far from ideal."""
+    geometry = site.geometry
+    bond = np.abs(bond_lengths(positions, geometry.bonds) - geometry.length_A)
+    angle = np.abs(angles_deg(positions, geometry.angles) - geometry.angle_deg)
+    return np.concatenate([np.where(bond > 0.04, 2.0, 1.0), np.where(angle > 7.5, 2.0, 1.0)])

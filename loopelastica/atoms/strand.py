@@ -1,0 +1,184 @@
+"""Atoms for any strand of a chain: :func:`build_strand`.
+
+``build_strand(gap, line, atoms, *, contact=None, tries=1, max_steps=5000, max_seconds=60.0)`` gives
+a :class:`StrandModel`. `gap` is a :class:`~loopelastica.molecule.polymer.Gap`, `line` anything with
+``at(phases) -> points (m, 3), frames (m, 3, 3)`` in the coordinates of the file (phases 1 … n are
+the nucleotides, the curve reaches at least from ½ to n + ½), and `atoms` the
+:class:`~loopelastica.molecule.polymer.HeavyAtoms` of the model. No atom that is there moves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from loopelastica._arrays import Array, Record
+from loopelastica._checks import positive, whole
+from loopelastica.atoms.carry import Curve
+from loopelastica.atoms.checks import Checks
+from loopelastica.atoms.chemistry import LoopMolecule, Residue
+from loopelastica.atoms.gap_site import LocalCurve, gap_site, numbered
+from loopelastica.atoms.relax import Relaxed
+from loopelastica.atoms.search import Limits, best_on
+from loopelastica.atoms.turn import Turns, check_contact
+from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
+
+WATER_A: Final = 2.5
+"""Waters nearer than this to a built atom have to go."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BuiltResidue(Record):
+    """The built atoms of one nucleotide.
+
+    Attributes
+    ----------
+    monomer : Monomer
+    kind : Residue
+        What was built; ``kind.standard`` is its wwPDB name.
+    names, elements : tuple of str
+    positions_A : (k, 3) array
+        In the coordinates of the file, Å.
+    """
+
+    monomer: Monomer
+    kind: Residue
+    names: tuple[str, ...]
+    elements: tuple[str, ...]
+    positions_A: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class StrandModel(Record):
+    """The atoms of a filled strand.
+
+    Attributes
+    ----------
+    gap : Gap
+    molecule : LoopMolecule
+        The strand with its flanks.
+    positions_A : (N, 3) array
+        In the coordinates of the file, rows of the molecule; atoms that were there to the digit.
+    built : (N,) array of bool
+        Which atoms were not there.
+    turns : Turns
+        The combination of Ω and χ it started from.
+    start_A : (N, 3) array
+        Positions before the minimization.
+    relaxed : Relaxed
+        Status, steps and cost; its positions are in a local frame.
+    checks : Checks
+    waters : (w,) array of int
+        Rows of `atoms`: waters nearer than 2.5 Å to a built atom.
+    attempts : int
+        Combinations that were minimized.
+    """
+
+    gap: Gap
+    molecule: LoopMolecule
+    positions_A: Array
+    built: NDArray[np.bool_]
+    turns: Turns
+    start_A: Array
+    relaxed: Relaxed
+    checks: Checks
+    waters: NDArray[np.int64]
+    attempts: int
+
+    def __repr__(self) -> str:
+        state = "sound" if self.checks.sound else f"not sound ({'; '.join(self.checks.wrong)})"
+        return f"<StrandModel {self.gap.name}: {int(self.built.sum())} atoms built, {state}>"
+
+    @property
+    def residues(self) -> tuple[BuiltResidue, ...]:
+        """Every nucleotide that has got atoms, flanks included, 5' to 3'."""
+        monomers = numbered(self.gap)
+        out = []
+        for k, kind in self.molecule.kinds.items():
+            rows = [
+                row for row, r in enumerate(self.molecule.residue) if r == k and self.built[row]
+            ]
+            if rows:
+                names = tuple(self.molecule.names[row] for row in rows)
+                elements = tuple(self.molecule.mol.GetAtomWithIdx(row).GetSymbol() for row in rows)
+                out.append(BuiltResidue(monomers[k], kind, names, elements, self.positions_A[rows]))
+        return tuple(out)
+
+
+def build_strand(
+    gap: Gap,
+    line: Curve,
+    atoms: HeavyAtoms,
+    *,
+    contact: str | None = None,
+    tries: int = 1,
+    max_steps: int = 5000,
+    max_seconds: float = 60.0,
+) -> StrandModel:
+    """All atoms that a strand and its flanks lack.
+
+    Parameters
+    ----------
+    gap : Gap
+        What is built, and what it is bonded to.
+    line : Curve
+        Where the strand runs; a start, not a constraint.
+    atoms : HeavyAtoms
+        Of the whole model: what must not be run into. Atoms of the strand and its flanks may be
+        among them. Waters give way.
+    contact : {"sheared", "watson-crick"}, optional
+        Contact of the first and the last nucleotide to be sought; see :func:`.turn.turned`.
+    tries : int
+        Sound models that are compared; the best is taken.
+    max_steps : int
+        Most steps of one minimization.
+    max_seconds : float
+        Time after which nothing more is tried.
+
+    Returns
+    -------
+    StrandModel
+        Sound, or the one that is nearest to it: ``checks.wrong`` says what is not.
+
+    Raises
+    ------
+    StructureError
+        If a base is unknown or a flank has too few atoms.
+    ValueError
+        If an option is out of range.
+    """
+    limits = Limits(
+        whole(1)("tries", tries),
+        whole(1)("max_steps", max_steps),
+        positive("max_seconds", max_seconds),
+    )
+    check_contact(contact)
+    site = gap_site(gap, line, atoms)
+    local = LocalCurve(line, site.origin, site.frame)
+    best, _, attempts = best_on(site, local, limits, contact=contact)
+    positions = site.in_file(best.relaxed.positions_A)
+    return StrandModel(
+        gap,
+        site.molecule,
+        positions,
+        site.moving,
+        best.turns,
+        best.start_A @ site.frame.T + site.origin,
+        best.relaxed,
+        best.checks,
+        _waters(atoms, positions[site.moving]),
+        attempts,
+    )
+
+
+def _waters(atoms: HeavyAtoms, built: Array) -> NDArray[np.int64]:
+    from scipy.spatial import cKDTree
+
+    water = np.flatnonzero(atoms.water & np.isfinite(atoms.positions_A).all(axis=1))
+    if len(water) == 0 or len(built) == 0:
+        return np.empty(0, dtype=np.int64)
+    near = cKDTree(built).query(atoms.positions_A[water], distance_upper_bound=WATER_A)[0]
+    return np.asarray(water[np.isfinite(near)], dtype=np.int64)
