@@ -31,6 +31,9 @@ _PUBLIC = {
     "Candidate": "folding.rank",
     "build_atoms": "atoms.model",
     "AtomModel": "atoms.model",
+    "fill": "filling.fill",
+    "Filling": "filling.result",
+    "FilledStrand": "filling.result",
     "to_dataframe": "report.dataframe",
     "LoopelasticaError": "errors",
     "StructureError": "errors",
@@ -45,6 +48,9 @@ if TYPE_CHECKING:
     from loopelastica.errors import LoopelasticaError as LoopelasticaError
     from loopelastica.errors import MissingDependencyError as MissingDependencyError
     from loopelastica.errors import StructureError as StructureError
+    from loopelastica.filling.fill import fill as fill
+    from loopelastica.filling.result import FilledStrand as FilledStrand
+    from loopelastica.filling.result import Filling as Filling
     from loopelastica.folding.fold import fold as fold
     from loopelastica.folding.rank import Candidate as Candidate
     from loopelastica.folding.result import LoopFold as LoopFold

@@ -87,7 +87,7 @@ class Work:
     name : str
         Stem of the table's name, such as "summary".
     function : callable
-        Task → record with ``rows`` and ``failures``; importable by name.
+        Task → record with ``rows`` and ``failures``, and perhaps ``notes``; importable by name.
     columns : tuple of str
         Columns of the table; further entries of a row stay in the journal.
     intact : callable
@@ -352,13 +352,19 @@ class _Book:
                     "failure": self.wording(task.as_given(sentence, self.out)),
                 }
 
+    def _notes(self) -> Iterator[str]:
+        done = set(self.done)
+        for key, task in self.tasks.items():
+            for sentence in self.journal[key].get("notes", ()) if key in done else ():
+                yield task.as_given(sentence, self.out)
+
     def close(self) -> Run:
         """Write the tables in the order of the input."""
         n_rows = write_csv(self.table, self.rows(), self.work.columns)
         failures = list(self._failures())
         write_csv(self.failures, failures, FAILURE_COLUMNS)
         _write_parquet(self.table)
-        notes = []
+        notes = list(self._notes())
         if damaged := self.journal.damaged:
             lines = "a line is" if damaged == 1 else f"{damaged} lines are"
             notes.append(f"{self.journal.path}: {lines} damaged; what stood there is done again")

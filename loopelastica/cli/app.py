@@ -8,6 +8,7 @@ import typer
 from loopelastica.cli.bench import bench
 from loopelastica.cli.build import build
 from loopelastica.cli.evaluate import evaluate
+from loopelastica.cli.fill import fill
 from loopelastica.cli.fold import fold
 from loopelastica.cli.program import EPILOG, Command, Program
 from loopelastica.cli.rod import solve, warm
@@ -23,7 +24,7 @@ app = typer.Typer(
     # plain help takes half the time of the coloured one
     rich_markup_mode=None,
 )
-for command in (fold, build, evaluate, scan, hairpins, solve, warm):
+for command in (fold, fill, build, evaluate, scan, hairpins, solve, warm):
     app.command(cls=Command)(command)
 app.add_typer(bench, name="bench")
 

@@ -37,6 +37,7 @@ _OPTIONS = {
     "max_candidates": "--candidates",
     "max_size_MB": "--max-size",
     "persistence_length_A": "--persistence-length",
+    "strands": "--strand",
     "tapers": "--taper",
 }
 # what stands for the signs of our tables and sentences where a terminal lacks them

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
@@ -87,7 +88,7 @@ def _added(model: StrandModel, index: int, b: float) -> Iterator[AddedResidue]:
     """The built atoms of a strand, nucleotide by nucleotide."""
     gap = model.gap
     chain = [gap.before, *gap.monomers, gap.after]
-    before = {id(monomer): other for other, monomer in zip(chain, chain[1:], strict=False)}
+    before = {id(monomer): other for other, monomer in pairwise(chain)}
     for residue in model.residues:
         monomer = residue.monomer
         other = before.get(id(monomer))

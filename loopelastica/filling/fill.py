@@ -8,13 +8,15 @@ there for the next one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from loopelastica.atoms.carry import FileLine, Line
+from loopelastica._arrays import Array
+from loopelastica.atoms.carry import Line
 from loopelastica.atoms.strand import StrandModel, build_strand
 from loopelastica.errors import StructureError
 from loopelastica.filling.options import FillOptions
@@ -23,10 +25,12 @@ from loopelastica.folding.expected import expected_rmsd
 from loopelastica.folding.line import NEAR_A, StrandLine, strand_lines
 from loopelastica.folding.options import keywords
 from loopelastica.molecule.entry import Entry, read_entry
-from loopelastica.molecule.flanks import strand_ends
-from loopelastica.molecule.gaps import Refused, find_gaps
+from loopelastica.molecule.flanks import StrandEnds, strand_ends
+from loopelastica.molecule.gaps import around, find_gaps
+from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.obstacles import crowding, obstacles
 from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
+from loopelastica.molecule.refusals import Refusal, refusal
 from loopelastica.molecule.strands import ideal_strand
 from loopelastica.molecule.surroundings import heavy_atoms
 from loopelastica.report.compose import Removed
@@ -98,32 +102,44 @@ class _Filler:
     """One model of an entry; its atoms grow with every strand."""
 
     def __init__(self, entry: Entry, model: int, options: FillOptions) -> None:
-        self.entry, self.model, self.options = entry, model, options
+        self.model, self.options = model, options
         self.found = find_gaps(entry, model, options.strands)
-        self.atoms = heavy_atoms(entry, model)
-        self.built: dict[tuple[str, int, str], Monomer] = {}
-        self.remarks = [*self.found.remarks, *self.found.tails]
+        replaced = {m.label for gap in self.found.gaps for m in gap.replaces}
+        self.atoms = _without(heavy_atoms(entry, model), replaced)
+        self.built: dict[str, Monomer] = {}
+        self.remarks = [*self.found.remarks, *map(str, self.found.tails)]
 
     def strands(self) -> Iterator[FilledStrand]:
-        """Every gap, filled or refused, in the order of the chains."""
-        for found in self.found.all:
-            if isinstance(found, Refused):
-                yield self._refused(found, found.reason)
-                continue
+        """Every gap, filled or refused, gaps first."""
+        for found in self.found.gaps:
             gap = self._with_built(found)
             try:
                 yield self._filled(gap)
             except StructureError as error:
-                yield self._refused(gap, str(error))
+                yield self._refused(refusal(gap.monomers, str(error)))
+        for one in self.found.refused:
+            yield self._refused(one)
 
     def completions(self) -> Iterator[Completion]:
         """Nucleotides beside no gap, with the atoms that they lacked."""
-        for gap in self.found.incomplete:
+        for monomer, missing in self.found.incomplete:
+            gap = around(self.found.chains, monomer)
+            if gap is None:
+                self.remarks.append(
+                    f"{monomer.label} lacks {enumerated(missing)} at an end of its chain; it is"
+                    " left as it is"
+                )
+                continue
             try:
-                model = build_strand(self._with_built(gap), None, self.atoms)
+                gap = self._with_built(gap)
+                (line,) = strand_lines(gap, strand_ends(gap), self.atoms)
+                model = self._model(gap, line)
             except StructureError as error:
                 self.remarks.append(str(error))
                 continue
+            if not model.checks.sound:
+                why = "; ".join(model.checks.wrong)
+                self.remarks.append(f"{monomer.label}: not sound with its missing atoms ({why})")
             yield Completion(self.model + 1, model, self._grown(model))
 
     def _filled(self, gap: Gap) -> FilledStrand:
@@ -133,16 +149,17 @@ class _Filler:
         models = [(line, self._model(gap, line)) for line in lines]
         # chemistry first, then the order of the lines
         models.sort(key=lambda pair: not pair[1].checks.sound)
-        waters = [_waters(self.atoms, model) for _, model in models]
+        expected = expected_rmsd(gap, ends, crowded)
         candidates = tuple(
-            FilledCandidate(rank, line, model, expected_rmsd(gap, ends, crowded), left_out)
-            for rank, ((line, model), left_out) in enumerate(
-                zip(models, waters, strict=True), start=1
-            )
+            FilledCandidate(rank, line, model, expected, self._waters(model))
+            for rank, (line, model) in enumerate(models, start=1)
         )
         self._grown(models[0][1])
         return FilledStrand(
-            **_about(gap),
+            chain=gap.chain,
+            first=gap.monomers[0].place,
+            last=gap.monomers[-1].place,
+            sequence=gap.sequence,
             status="filled",
             candidates=candidates,
             model=self.model + 1,
@@ -151,41 +168,97 @@ class _Filler:
             length_A=ends.length_A,
             crowding=crowded,
             remarks=(*gap.remarks, *_remarks(gap, candidates[0])),
+            nucleotides=len(gap),
         )
 
     def _model(self, gap: Gap, line: StrandLine) -> StrandModel:
         is_dna = sum(monomer.is_dna for monomer in gap.monomers) > len(gap) / 2
-        curve = FileLine(Line.between(line.rod, line.ends, ideal_strand(is_dna)), line.ends)
-        return build_strand(gap, curve, self.atoms)
+        between = Line.between(line.rod, line.ends, ideal_strand(is_dna))
+        return build_strand(gap, _InFile(between, line.ends), self.atoms)
 
-    def _refused(self, found: Gap | Refused, reason: str) -> FilledStrand:
+    def _refused(self, found: Refusal) -> FilledStrand:
         return FilledStrand(
-            **_about(found), status="refused", reason=reason, model=self.model + 1
+            found.chain,
+            found.first,
+            found.last,
+            found.sequence,
+            "refused",
+            found.reason,
+            model=self.model + 1,
+            nucleotides=len(found.sequence),
         )
 
     def _with_built(self, gap: Gap) -> Gap:
         """The gap with what was built before it on its own nucleotides."""
 
         def now(monomer: Monomer | None) -> Any:
-            return None if monomer is None else self.built.get(_place(monomer), monomer)
+            return None if monomer is None else self.built.get(monomer.label, monomer)
 
         return replace(
             gap,
+            monomers=tuple(now(monomer) for monomer in gap.monomers),
             before=now(gap.before),
             after=now(gap.after),
             beyond_5=now(gap.beyond_5),
             beyond_3=now(gap.beyond_3),
         )
 
+    def _waters(self, model: StrandModel) -> tuple[Removed, ...]:
+        """The waters that give way to a model."""
+        out = []
+        for row in model.waters:
+            chain, number, icode, name = self.atoms.places[self.atoms.residue[row]]
+            x, y, z = (float(value) for value in self.atoms.positions_A[row])
+            out.append(Removed(self.model, chain, number, icode, name, at_A=(x, y, z)))
+        return tuple(out)
+
     def _grown(self, model: StrandModel) -> tuple[Removed, ...]:
-        """Put what was built among the atoms; the waters that give way."""
-        waters = _waters(self.atoms, model)
-        self.atoms = self.atoms.with_residues(
-            [(r.monomer.label, r.names, r.elements, r.positions_A) for r in model.residues],
-            without=model.waters,
-        )
+        """Put what was built among the atoms; the waters that have given way."""
+        waters = self._waters(model)
         for residue in model.residues:
-            monomer = residue.monomer
-            atoms = {**monomer.atoms_A, **dict(zip(residue.names, residue.positions_A, strict=True))}
-            self.built[_place(monomer)] = replace(monomer, atoms_A=atoms)
+            one = residue.monomer
+            new = dict(zip(residue.names, residue.positions_A, strict=True))
+            self.built[one.label] = replace(one, atoms_A={**one.atoms_A, **new})
+        self.atoms = self.atoms.grown(model.residues, model.waters)
         return waters
+
+
+def _without(atoms: HeavyAtoms, labels: Collection[str]) -> HeavyAtoms:
+    """The atoms of all residues but some."""
+    own = [row for row, label in enumerate(atoms.labels) if label in labels]
+    return atoms.grown((), np.flatnonzero(np.isin(atoms.residue, own))) if own else atoms
+
+
+class _InFile:
+    """A line of a start frame in the coordinates of the file."""
+
+    def __init__(self, line: Line, ends: StrandEnds) -> None:
+        self._line, self._ends = line, ends
+
+    def at(self, phases: ArrayLike) -> tuple[Array, Array]:
+        """Points (m, 3), Å, and frames (m, 3, 3) at the phases (m,)."""
+        points, frames = self._line.at(phases)
+        start = self._ends.start_frame
+        return points @ start.T + self._ends.start_origin_A, start @ frames
+
+
+def _remarks(gap: Gap, first: FilledCandidate) -> Iterator[str]:
+    near = first.line.nearest_A
+    if near is not None and near < NEAR_A:
+        yield (
+            f"{gap.name}: its line comes within {near:.1f} Å of {first.line.nearest_atom}; real"
+            f" backbones keep {NEAR_A:.0f} Å"
+        )
+    if not first.sound:
+        yield f"{gap.name}: not sound ({'; '.join(first.atoms.checks.wrong)})"
+
+
+def _completed(strands: Sequence[FilledStrand], completions: Sequence[Completion]) -> Iterator[str]:
+    """Labels of nucleotides that were there in part."""
+    for strand in strands:
+        for residue in strand.candidates[0].atoms.residues if strand.candidates else ():
+            if residue.monomer.atoms_A:
+                yield residue.monomer.label
+    for completion in completions:
+        for residue in completion.atoms.residues:
+            yield residue.monomer.label

@@ -54,7 +54,7 @@ def write_filling(path: Path, filling: Filling) -> Path:
         What was written.
     """
     if path.suffix.lower() in (".pdb", ".ent", ".cif", ".mmcif"):
-        text, kind = composed(filling)
+        text, _ = composed(filling)
         write_text(path, text)
         return path
     write_folder(path, filling)
@@ -195,7 +195,8 @@ def _candidate_record(candidate: FilledCandidate) -> dict[str, Any]:
         "not_sound_because": list(checks.wrong),
         "worst_bond_A": checks.worst_bond_A,
         "worst_angle_deg": checks.worst_angle_deg,
-        "closest_contact_A": checks.closest_contact_A,
+        "closest_contact_A": checks.closest_A,
+        "closest_contact": checks.closest,
         "wrong_chirality": list(checks.wrong_chirality),
         "status": checks.status,
         "nucleotides": [name_of(residue) for residue in candidate.atoms.residues],

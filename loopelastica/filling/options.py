@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from loopelastica._checks import flag, positive, whole
 from loopelastica.folding.options import Options, option
-from loopelastica.molecule._source import MAX_ATOMS, MAX_SIZE_MB, Limits
-from loopelastica.molecule.gaps import strand_texts
+from loopelastica.molecule.reading import MAX_ATOMS, MAX_SIZE_MB, Limits
+from loopelastica.molecule.requests import requests
+
+
+def _strands(argument: str, value: Any) -> tuple[str, ...] | None:
+    """Strands as they are written, each of them understood."""
+    return None if value is None else tuple(request.text for request in requests(value))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +36,7 @@ class FillOptions(Options):
         How large a file may be: megabytes after decompression, atoms of a model.
     """
 
-    strands: str | Sequence[str] | None = option(None, strand_texts)
+    strands: str | Sequence[str] | None = option(None, _strands)
     repair: bool = option(False, flag)
     candidates: int = option(1, whole(1))
     max_size_MB: float = option(MAX_SIZE_MB, positive)

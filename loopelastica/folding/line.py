@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record, read_only
 from loopelastica.errors import StructureError
@@ -26,7 +27,7 @@ from loopelastica.rod.surrounded import SurroundedRod, surrounded_rods
 
 CUTOFF_A: Final = 5.0
 STIFFNESS: Final = 0.05
-"""Repulsion of an atom, in units of the bending rigidity over Å⁴; any cutoff of 4 to 5 Å will do."""
+"""Repulsion of an atom, in units of the bending rigidity over Å⁴; any cutoff of 4–5 Å will do."""
 NEAR_A: Final = 3.0
 """Real backbones come no nearer to an atom than this: what does is said."""
 BENT_FROM: Final = 5
@@ -143,11 +144,10 @@ def _free_rod(ends: StrandEnds) -> Array | None:
 
 
 def _line(
-    rank: int, rod: SurroundedRod, ends: StrandEnds, atoms: HeavyAtoms, rows: Array
+    rank: int, rod: SurroundedRod, ends: StrandEnds, atoms: HeavyAtoms, rows: NDArray[np.int64]
 ) -> StrandLine:
     trace = ends.to_file(rod.centerline(loop_arc_positions(ends.n)))
     near = ""
     if rod.nearest_obstacle is not None:
-        row = rows[rod.nearest_obstacle]
-        near = f"{atoms.labels[atoms.residue[row]]} {atoms.name[row]}"
+        near = atoms.label(rows[rod.nearest_obstacle])
     return StrandLine(rank, "rod in its surroundings", rod, ends, read_only(trace), near)

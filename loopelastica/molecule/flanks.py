@@ -1,8 +1,8 @@
 """The two ends of any strand, each from the one nucleotide that flanks it.
 
 The ideal strand is laid on that nucleotide, paired or not; the line's end and tangent half a
-nucleotide beyond are where they are on average in chains that are there, which is near the ideal
-line for RNA and not quite for DNA (`MEAN_ENDS`). One nucleotide places the end better than two: the
+nucleotide beyond are where they are in chains that are there: on the ideal line for RNA, not quite
+for DNA (`MEAN_ENDS`). One nucleotide places the end better than two: the
 last but one tells how the helix was, not where the chain turns.
 
 The line is shorter than the chain from three nucleotides on (`line_length`): a smooth line of the
@@ -19,8 +19,10 @@ import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica.errors import StructureError
+from loopelastica.molecule.clamp_rule import StemClamp
 from loopelastica.molecule.ends import superpose
 from loopelastica.molecule.polymer import Gap, Monomer
+from loopelastica.molecule.refusals import check_span
 from loopelastica.molecule.strands import ideal_strand, line_frame, strand_atoms
 from loopelastica.molecule.trace import to_file_coordinates
 
@@ -42,10 +44,6 @@ LENGTHS: Final = {
     True: ((math.inf, 6.3, 1.02),),
 }
 """Length of the line of RNA and of DNA (True) by the number of nucleotides it stands for."""
-
-SPAN_A: Final = 7.0
-"""Most that a nucleotide spans between two of them, Å: natives have up to 6.4 on the line; the rest
-is what blind ends miss."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -84,6 +82,16 @@ class StrandEnds(Record):
     def distance_A(self) -> float:
         """Distance of the two ends."""
         return math.dist(self.start_origin_A, self.end_origin_A)
+
+    @property
+    def n_free(self) -> int:
+        """Nucleotides on the line, by the name that hairpins' ends have for it."""
+        return self.n
+
+    @property
+    def clamp(self) -> StemClamp:
+        """A clamp right beside the flanking nucleotides, as hairpins' ends have it."""
+        return StemClamp(0, 0, 0.0, self.length_A / self.n)
 
     def to_file(self, centerline: Array) -> Array:
         """Line (..., 3) of unit length in the start frame → Å in the coordinates of the file."""
@@ -184,11 +192,9 @@ def strand_ends(gap: Gap) -> StrandEnds:
     end, end_frame, rms_3 = flank_end(gap.after, after=True)
     n = len(gap)
     distance_A = math.dist(start, end)
-    if distance_A > SPAN_A * n:
-        raise StructureError(
-            f"{gap.name}: {n} nt cannot span {distance_A:.1f} Å, they reach {SPAN_A * n:.1f} Å; the"
-            " strand is not filled"
-        )
+    too_far = check_span(gap, distance_A)
+    if too_far is not None:
+        raise StructureError(too_far)
     # a strand of both kinds is as short as one of RNA
     is_dna = all(monomer.is_dna for monomer in gap.monomers)
     length_A = line_length(n, distance_A, is_dna)

@@ -293,6 +293,28 @@ def gap_between(chain: Chain, i: int, j: int, given: bool = False) -> Gap:
     )
 
 
+def around(chains: Sequence[Chain], monomer: Monomer) -> Gap | None:
+    """One nucleotide that lacks atoms, as a gap between its neighbours.
+
+    Parameters
+    ----------
+    chains : sequence of Chain
+    monomer : Monomer
+        One of their nucleotides.
+
+    Returns
+    -------
+    Gap or None
+        None where one of its neighbours is not there, or no strand can end on it.
+    """
+    for chain in chains:
+        for k, one in enumerate(chain.slots[1:-1], start=1):
+            if one is monomer:
+                sides = chain.slots[k - 1], chain.slots[k + 1]
+                return gap_between(chain, k - 1, k + 1) if all(s.usable for s in sides) else None
+    return None
+
+
 def _listed(one: Monomer) -> str:
     names = list(one.atoms_A)
     if len(names) == 1:

@@ -7,8 +7,9 @@ has; numbers are those of the author, and `record` is the place in the sequence 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,6 +125,12 @@ class Gap(Record):
         return "".join(monomer.letter for monomer in self.monomers)
 
     @property
+    def kind(self) -> str:
+        """Sugars of what is built: "RNA", "DNA" or "DNA/RNA"."""
+        kinds = {"DNA" if monomer.is_dna else "RNA" for monomer in self.monomers}
+        return "/".join(sorted(kinds))
+
+    @property
     def name(self) -> str:
         """Name such as "A.6-9", as the user gives it; "A.6" where it is one nucleotide."""
         first, last = self.monomers[0].place, self.monomers[-1].place
@@ -149,6 +156,8 @@ class HeavyAtoms(Record):
         One per residue, as :attr:`Monomer.label`.
     water, metal : (N,) array of bool
         Of waters; of metal ions.
+    places : tuple of (str, int, str, str)
+        Chain, number, insertion code and name of each residue, as the author has them.
     """
 
     positions_A: Array
@@ -158,3 +167,64 @@ class HeavyAtoms(Record):
     labels: tuple[str, ...]
     water: NDArray[np.bool_]
     metal: NDArray[np.bool_]
+    places: tuple[tuple[str, int, str, str], ...] = ()
+
+    def label(self, row: int) -> str:
+        """Residue and name of an atom, such as "A.G12 C5'"."""
+        return f"{self.labels[self.residue[row]]} {self.name[row]}"
+
+    def grown(self, built: Sequence[BuiltAtoms], without: NDArray[np.int64]) -> HeavyAtoms:
+        """These atoms with more of them in some residues, and without others.
+
+        Parameters
+        ----------
+        built : sequence of BuiltAtoms
+            A nucleotide each; one that is there gets more atoms.
+        without : (w,) array of int
+            Rows that are left out.
+
+        Returns
+        -------
+        HeavyAtoms
+        """
+        kept = np.ones(len(self.residue), dtype=np.bool_)
+        kept[without] = False
+        rows = {label: row for row, label in enumerate(self.labels)}
+        places = list(self.places)
+        for one in built:
+            if one.monomer.label not in rows:
+                rows[one.monomer.label] = len(rows)
+                m = one.monomer
+                places.append((m.chain, m.number, m.icode, m.resname))
+        residue = [np.full(len(b.names), rows[b.monomer.label]) for b in built]
+        none = np.zeros(sum(len(b.names) for b in built), dtype=np.bool_)
+        return HeavyAtoms(
+            positions_A=np.concatenate([self.positions_A[kept], *(b.positions_A for b in built)]),
+            element=np.concatenate([self.element[kept], *(b.elements for b in built)]),
+            name=np.concatenate([self.name[kept], *(b.names for b in built)]),
+            residue=np.concatenate([self.residue[kept], *residue]).astype(np.int64),
+            labels=tuple(rows),
+            water=np.concatenate([self.water[kept], none]),
+            metal=np.concatenate([self.metal[kept], none]),
+            places=tuple(places),
+        )
+
+
+class BuiltAtoms(Protocol):
+    """Atoms that a nucleotide has got."""
+
+    @property
+    def monomer(self) -> Monomer:
+        """The nucleotide as it was."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the atoms."""
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Their elements."""
+
+    @property
+    def positions_A(self) -> Array:
+        """Where they are, (k, 3), Å."""

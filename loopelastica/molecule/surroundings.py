@@ -46,6 +46,7 @@ def heavy_atoms(entry: Entry, model: int = 0) -> HeavyAtoms:
     elements: list[str] = []
     names: list[str] = []
     labels: list[str] = []
+    places: list[tuple[str, int, str, str]] = []
     residue: list[int] = []
     water: list[bool] = []
     metal: list[bool] = []
@@ -64,6 +65,7 @@ def heavy_atoms(entry: Entry, model: int = 0) -> HeavyAtoms:
                 water.append(is_water)
                 metal.append(element.is_metal)
             labels.append(f"{prefix}{one.residue.name}{number}{icode}")
+            places.append((chain.name, number, code, one.residue.name))
     return HeavyAtoms(
         positions_A=read_only(np.array(positions).reshape(-1, 3)),
         element=np.array(elements, dtype=np.str_),
@@ -72,6 +74,7 @@ def heavy_atoms(entry: Entry, model: int = 0) -> HeavyAtoms:
         labels=tuple(labels),
         water=np.array(water, dtype=np.bool_),
         metal=np.array(metal, dtype=np.bool_),
+        places=tuple(places),
     )
 
 

@@ -9,6 +9,8 @@ from rich.table import Table
 from loopelastica._names import printable
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from loopelastica.folding.result import LoopFold
     from loopelastica.folding.scan import LoopScan
     from loopelastica.rod.equilibria import Equilibria
@@ -68,6 +70,49 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
                 str(folder) if first else "",
             )
         table.add_section()
+    return table
+
+
+def fill_table(rows: "Iterable[Mapping[str, Any]]", out: Path) -> Table:
+    """Strands that were filled or refused, a row each.
+
+    Parameters
+    ----------
+    rows : iterable of mapping
+        Those of a run's table.
+    out : Path
+        Folder of the run.
+
+    Returns
+    -------
+    rich.table.Table
+    """
+    title = (
+        f"Strands, with the error to expect (80 % of cases); structures in {printable(str(out))}"
+    )
+    table = Table(title=title, title_justify="left")
+    for name in ("folder", "strand", "sequence"):
+        table.add_column(name, overflow="fold")
+    for name in ("expected (Å)", "sound"):
+        table.add_column(name, justify="right")
+    folder = None
+    for row in rows:
+        first, last = row["first"], row["last"]
+        name = first if first == last else f"{first}-{last}"
+        expected = "refused"
+        if row["expected_rmsd_A"] is not None:
+            low, high = row["expected_10_A"], row["expected_90_A"]
+            expected = f"{row['expected_rmsd_A']:.1f} ({low:.1f}–{high:.1f})"
+        sound = {True: "yes", False: "no", None: ""}[row["sound"]]
+        _add_row(
+            table,
+            "" if row["folder"] == folder else row["folder"],
+            f"{row['chain']}.{name}" if row["chain"] else name,
+            row["sequence"],
+            expected,
+            sound,
+        )
+        folder = row["folder"]
     return table
 
 

@@ -1,0 +1,71 @@
+"""``loopelastica fill``: files with gaps to files without, one by one or on many processes."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from loopelastica.cli import options as o
+from loopelastica.cli.program import in_options, tell
+
+_Strands = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--strand",
+        help="Only this strand, by its first and last nucleotide, such as A.6-9, or with its"
+        " sequence, A.6-9=UUCG; repeatable. One that is there is built anew.",
+    ),
+]
+_Repair = Annotated[
+    bool,
+    typer.Option(
+        "--repair",
+        help="Build anew what is broken: bonds over 2 Å in a chain, wrong hands, clashes inside a"
+        " strand. Without it no existing atom moves.",
+    ),
+]
+_Candidates = Annotated[int, typer.Option(help="Most models per strand.", min=1)]
+
+
+def fill(
+    files: o.Files,
+    out: o.Out = o.OUT,
+    strand: _Strands = None,
+    repair: _Repair = False,
+    candidates: _Candidates = 1,
+    max_size: o.MaxSize = None,
+    max_atoms: o.MaxAtoms = None,
+    jobs: o.Jobs = None,
+    scheduler: o.Scheduler = None,
+) -> None:
+    """Fill every internal gap of DNA and RNA chains; write each structure with it filled.
+
+    Each file gets a folder with filled.pdb or filled.cif, as it came, and fill.json; the folder for
+    the results gets summary.csv, a row per strand, and failures.csv. The same command resumes a run
+    that was stopped.
+    """
+    from loopelastica.batch.fills import FILLS
+    from loopelastica.batch.run import distinct, run, tasks_of
+    from loopelastica.filling.options import FillOptions
+    from loopelastica.report.tables import console, fill_table
+
+    o.refuse(o.either(jobs, scheduler))
+    files, notes = distinct(files)
+    with o.usage():
+        options = FillOptions(
+            strands=strand or None,
+            repair=repair,
+            candidates=candidates,
+            **o.limits(max_size, max_atoms),
+        )
+        tasks = tasks_of(files, options.to_dict(), out)
+        progress = len(files) > 1
+        done = run(FILLS, tasks, out, jobs or 1, scheduler, progress, wording=in_options)
+    if done.n_files > 1 or done.n_resumed:
+        tell(
+            f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} strands in"
+            f" {done.table}"
+        )
+    console().print(fill_table(done.rows, Path(out)))
+    o.note(o.screenful([*notes, *done.notes], "in the files' fill.json"))
+    o.fail_of_many(done.failures, out)
