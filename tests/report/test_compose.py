@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from strand import NAMES, added, cif_text, pdb_lines, place_of
 
 from loopelastica._files import data_path
+from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.report.compose import Changes, Composed, compose, fits_pdb
 
 KOC = data_path("hairpins/2koc.pdb").read_bytes().decode()
@@ -272,6 +273,22 @@ def test_an_mmcif_file_made_of_a_pdb_file_has_no_invented_cell():
     assert "_symmetry." not in _table(composed.text)
 
 
+@pytest.mark.parametrize(("segment", "chain"), [("", ""), ("RNA1", ""), ("RNA1", "RNA1")])
+def test_a_chain_without_a_name_is_called_by_its_segment_at_most(segment, chain, tmp_path):
+    lines = [
+        f"{x[:21]} {x[22:72]}{other:4}{x[76:]}"
+        for other in (segment, "X")
+        for x in pdb_lines([1, 2, 5])[: 3 * len(NAMES) if other == segment else 1]
+    ]
+    gap = (added(10000, 2, chain=chain),)
+    composed = compose("\n".join([*lines, "END", ""]), "pdb", Changes(added=gap))
+    found = structure_of(composed.text, "mmcif")[0]
+    assert [c.name for c in found] == ([chain, "X"] if chain else [""])
+    assert [residue.seqid.num for residue in found[0]][:4] == [1, 2, 10000, 5]
+    (path := tmp_path / "filled.cif").write_text(composed.text)
+    assert read_structure(path).nucleotides.resid.tolist()[:4] == [1, 2, 10000, 5]
+
+
 @pytest.mark.slow
 def test_more_atoms_than_serial_numbers_come_as_mmcif():
     lines = pdb_lines([1, 2, 5])
@@ -291,8 +308,6 @@ def test_more_atoms_than_serial_numbers_come_as_mmcif():
 
 
 def test_an_mmcif_file_is_read_by_the_package_that_wrote_it(tmp_path):
-    from loopelastica.molecule.nucleotides import read_structure
-
     path = tmp_path / "filled.cif"
     text = "\n".join([*pdb_lines([1, 2, 5]), "END", ""])
     path.write_text(compose(text, "pdb", Changes(added=(added(10000, 2),))).text)
