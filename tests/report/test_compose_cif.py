@@ -261,3 +261,24 @@ def test_what_names_a_water_stays_while_a_model_has_it():
 def test_a_file_without_atoms_is_refused():
     with pytest.raises(StructureError, match="no table _atom_site"):
         compose_cif("data_x\n_entry.id x\n", GAP)
+
+
+def test_of_two_locations_of_a_moved_atom_one_is_left_without_a_name():
+    rows = cif_text([1]).split("\n")
+    both = [
+        x
+        for row in rows
+        for x in ([row.replace('"P" .', f'"P" {a}') for a in "AB"] if '"P" .' in row else [row])
+    ]
+    changes = Changes(moved={(0, "X", 101, "", "P"): (1.0, 2.0, 3.0)})
+    atoms = _atoms("\n".join(both), changes)
+    assert atoms["label_atom_id"] == list(NAMES)
+    assert set(atoms["label_alt_id"]) == {False}
+
+
+def test_no_place_in_the_record_is_given_twice():
+    rows = cif_text([1, 2, 5]).split("\n")
+    # numbered without regard to what is missing
+    text = "\n".join(row.replace(" A 1 5 ?", " A 1 3 ?") for row in rows)
+    atoms = _atoms(text, Changes(added=(_new(3, 2),)))
+    assert atoms["label_seq_id"][2 * N :] == [None] * N + ["3"] * N
