@@ -6,7 +6,8 @@ Serial numbers may change, and whatever refers to them follows.
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from itertools import groupby
+from typing import Any, Literal, NamedTuple
 
 from loopelastica.report.changes import AddedResidue, Changes, Removed
 from loopelastica.report.compose_cif import compose_cif
@@ -65,7 +66,7 @@ def compose(content: bytes | str, kind: Kind, changes: Changes) -> Composed:
     composed = compose_pdb(text, changes)
     if composed is not None:
         return Composed(composed, "pdb")
-    return Composed(compose_cif(_as_mmcif(text), changes), "mmcif")
+    return Composed(compose_cif(_as_mmcif(text, changes), changes), "mmcif")
 
 
 def _decoded(content: bytes) -> str:
@@ -75,11 +76,13 @@ def _decoded(content: bytes) -> str:
         return content.decode("latin-1")
 
 
-def _as_mmcif(text: str) -> str:
+def _as_mmcif(text: str, changes: Changes) -> str:
     """A PDB file as mmCIF, with what gemmi keeps of its header."""
     import gemmi
 
     structure = gemmi.read_pdb_string(text)
+    structure.name = dict(structure.info.items()).get("_entry.id", "filled")
+    _name_by_segments(structure, {residue.chain for residue in changes.added} - {""})
     structure.setup_entities()
     structure.assign_label_seq_id()
     structure.assign_serial_numbers()
@@ -89,3 +92,21 @@ def _as_mmcif(text: str) -> str:
     groups.cell = groups.symmetry = structure.cell.is_crystal()
     document: str = structure.make_mmcif_document(groups).as_string()
     return document
+
+
+def _name_by_segments(structure: Any, names: set[str]) -> None:
+    """Give chains without a name that of their segments, where the changes use it."""
+    import gemmi
+
+    for model in structure:
+        # copies: gemmi frees those of a chain that goes
+        residues = [(chain.name, residue.clone()) for chain in model for residue in chain]
+        if not names.intersection(r.segment for name, r in residues if not name):
+            continue
+        while len(model):
+            del model[0]
+        for name, of_chain in groupby(residues, key=lambda pair: pair[0] or pair[1].segment):
+            chain = gemmi.Chain(name)
+            for _, residue in of_chain:
+                chain.add_residue(residue)
+            model.add_chain(chain)

@@ -72,20 +72,21 @@ class _AtomSite:
         models = self.columns.get("pdbx_pdb_model_num", nothing)
         self.model_names = list(dict.fromkeys(models))
         index = {name: k for k, name in enumerate(self.model_names)}
+        labels = self._texts("label_asym_id")
+        # an author's chain may have no name, which is no chain of the file's own
+        chains = self._texts("auth_asym_id") if "auth_asym_id" in self.columns else labels
         columns = (
-            self._texts("auth_asym_id", "label_asym_id"),
+            chains,
             self._texts("auth_seq_id", "label_seq_id"),
             self._texts("pdbx_pdb_ins_code"),
             self._texts("label_comp_id", "auth_comp_id"),
             self._texts("label_atom_id", "auth_atom_id"),
             self._texts("label_alt_id"),
-            self._texts("label_asym_id"),
+            labels,
         )
         self.rows = [
-            Row(index[model], (chain, _integer(number), icode), comp, name, alt, asym, chain)
-            for model, chain, number, icode, comp, name, alt, asym in zip(
-                models, *columns, strict=True
-            )
+            Row(index[m], (chain, _integer(number), icode), comp, name, alt, asym, chain or asym)
+            for m, chain, number, icode, comp, name, alt, asym in zip(models, *columns, strict=True)
         ]
 
     def _texts(self, *names: str) -> list[str]:

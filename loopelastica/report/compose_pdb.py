@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from itertools import combinations, groupby, pairwise, takewhile
+from itertools import groupby, pairwise, product, takewhile
 from typing import Final
 
 from loopelastica.report.changes import Changes, Place
@@ -17,6 +17,7 @@ from loopelastica.report.pdb_lines import (
     LAST_SERIAL,
     Line,
     PdbFile,
+    as_wide,
     atom_text,
     decoded,
     encoded,
@@ -179,13 +180,11 @@ def _joined(before: list[_Entry], behind: list[_Entry], file: PdbFile) -> bool:
     models, places = zip(*(_key(atoms[0], file) for atoms in (before, behind)), strict=True)
     if models[0] != models[1] or places[0][0] != places[1][0]:
         return False
-    ends = [
-        atom.line.position_A
+    ends = (
+        [x.line.position_A for x in atoms if today(x.line.text[12:16].strip()) == name]
         for atoms, name in ((before, "O3'"), (behind, "P"))
-        for atom in atoms
-        if today(atom.line.text[12:16].strip()) == name
-    ]
-    return any(math.dist(a, b) < _BONDED_A for a, b in combinations(ends, 2))
+    )
+    return any(math.dist(a, b) < _BONDED_A for a, b in product(*ends))
 
 
 def _ended(ter: _Entry, before: list[_Entry]) -> _Entry:
@@ -193,8 +192,8 @@ def _ended(ter: _Entry, before: list[_Entry]) -> _Entry:
     text = ter.line.text
     if not before or not text[17:27].strip():
         return ter
-    text = f"{text[:17]}{before[0].line.text[17:27]}{text[27:]}"
-    return replace(ter, line=replace(ter.line, text=text))
+    named = f"{text[:17]}{before[0].line.text[17:27]}{text[27:]}"
+    return replace(ter, line=replace(ter.line, text=as_wide(named, text)))
 
 
 # --- serial numbers -------------------------------------------------------------------------------
@@ -284,5 +283,5 @@ def _connected(entry: _Entry, now: dict[int, int]) -> _Entry | None:
     if not base or not (bonds or any(field.strip() for field in others)):
         return None
     whole = f"CONECT{base}{''.join(bonds):20}{''.join(others)}{text[61:]}"
-    entry.line = replace(entry.line, text=f"{whole.rstrip():<{len(text)}}")
+    entry.line = replace(entry.line, text=as_wide(whole, text))
     return entry

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from loopelastica.report.changes import Changes, Place
-from loopelastica.report.pdb_lines import Line, PdbFile
+from loopelastica.report.pdb_lines import Line, PdbFile, as_wide
 from loopelastica.report.placing import Plan, today
 
 _NOTE: Final = 99
@@ -110,7 +110,7 @@ def _sites(lines: list[Line], gone: set[Place]) -> list[Line]:
             if not mine:
                 continue
             text = f"{line.text[:15]}{fewer[name]:2d} {' '.join(mine)}"
-            line = replace(line, text=_as_wide(text, line))
+            line = replace(line, text=as_wide(text, line.text))
         out.append(line)
     return out
 
@@ -120,7 +120,7 @@ def _fewer_waters(line: Line, fewer: int) -> Line:
     if match is None:
         return line
     text = f"{match[1]}{max(int(match[2]) - fewer, 0)}{match[3]}"
-    return replace(line, text=_as_wide(text, line))
+    return replace(line, text=as_wide(text, line.text))
 
 
 # --- what the file said was missing ---------------------------------------------------------------
@@ -157,7 +157,9 @@ def _missing_atoms(file: PdbFile, plan: Plan) -> _RowOf:
         if len(left) == len(names):
             return line
         columns = "".join(f" {name if len(name) > 3 else f' {name}':4}" for name in left)
-        return replace(line, text=_as_wide(f"{line.text[:25]} {columns}", line)) if left else None
+        return (
+            replace(line, text=as_wide(f"{line.text[:25]} {columns}", line.text)) if left else None
+        )
 
     return row
 
@@ -241,8 +243,3 @@ def _counts(lines: list[Line], kinds: tuple[str, ...]) -> tuple[int, int, int]:
     first = [lines[k] for k in places if k < end]
     heavy = [x for x in first if not x.is_atom or x.text[12:16].strip(" 0123456789")[:1] != "H"]
     return len(places), len(first), len(heavy)
-
-
-def _as_wide(text: str, line: Line) -> str:
-    """A text padded to the width of the line that it takes the place of."""
-    return f"{text.rstrip():<{len(line.text)}}"

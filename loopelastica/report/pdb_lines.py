@@ -231,6 +231,16 @@ def number_text(value: float) -> str:
     return text if len(text) == 6 else f"{value:6.1f}"[:6]
 
 
+def as_wide(text: str, like: str) -> str:
+    """A text with blanks at its end, to the width of another one, if that has some.
+
+    >>> as_wide("TER", "CONECT    "), as_wide("TER ", "CONECT")
+    ('TER       ', 'TER')
+    """
+    text = text.rstrip()
+    return f"{text:<{len(like)}}" if like.endswith(" ") else text
+
+
 def with_position(text: str, position_A: tuple[float, ...]) -> str:
     """The record of an atom at another place."""
     return f"{text[:30]}{''.join(f'{x:8.3f}' for x in position_A)}{text[54:]}"

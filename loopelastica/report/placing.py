@@ -8,13 +8,12 @@ nucleotide, by the order of the wwPDB.
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
-
-import numpy as np
 
 from loopelastica.errors import StructureError
 from loopelastica.report.changes import AddedResidue, Changes, Place, Removed, label
@@ -254,18 +253,27 @@ class _Sites:
 
     def removed(self, removed: Removed) -> list[int]:
         """Rows of a residue, or of one atom, that is left out."""
-        rows: list[int] = []
         place = (removed.chain, removed.number, removed.icode)
-        for run in self._runs.get((removed.model, place), ()):
+        runs = self._runs.get((removed.model, place), [])
+        if not runs and removed.at_A is not None:
+            # beyond 9999 programs count on in several ways, but the place is one
+            runs = [
+                run
+                for (model, _), all_ in self._runs.items()
+                for run in all_
+                if model == removed.model
+            ]
+        rows: list[int] = []
+        for run in runs:
             mine = [
                 i
                 for i in run
-                if self._rows[i].resname == removed.resname
+                # a fourth letter may be that of the chain
+                if self._rows[i].resname[:3] == removed.resname[:3]
                 and removed.name in (None, self._rows[i].name)
             ]
-            if removed.at_A is None or any(
-                np.linalg.norm(np.subtract(self._position(i), removed.at_A)) < _SAME_A for i in mine
-            ):
+            at_A = removed.at_A
+            if at_A is None or any(math.dist(self._position(i), at_A) < _SAME_A for i in mine):
                 rows += mine
         if not rows:
             raise StructureError(

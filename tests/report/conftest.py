@@ -1,5 +1,8 @@
 """Folders that are written."""
 
+import sys
+from pathlib import Path
+
 import pytest
 
 import loopelastica as le
@@ -7,6 +10,9 @@ from loopelastica._files import data_path
 from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.report.folder import write_fold
 from loopelastica.report.pdb import WholeStructure
+
+# strands and deletions that several tests share
+sys.path.insert(0, str(Path(__file__).parent))
 
 
 def _written(path, folder, **options):
@@ -33,3 +39,11 @@ def refused(koc):
 @pytest.fixture(scope="session")
 def shipped(tmp_path_factory):
     return _written(data_path("hairpins/2koc.pdb"), tmp_path_factory.mktemp("shipped"))
+
+
+@pytest.fixture(scope="session")
+def gap_folder():
+    folder = Path(__file__).resolve().parents[3] / "shared" / "gaps"
+    if not folder.is_dir():
+        pytest.skip("the structures with gaps are not beside this checkout (../shared/gaps)")
+    return folder
