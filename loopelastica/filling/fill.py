@@ -25,7 +25,7 @@ from loopelastica.folding.expected import expected_rmsd
 from loopelastica.folding.line import NEAR_A, StrandLine, strand_lines
 from loopelastica.folding.options import keywords
 from loopelastica.molecule.entry import Entry, read_entry
-from loopelastica.molecule.flanks import StrandEnds, strand_ends
+from loopelastica.molecule.strand_ends import StrandEnds, strand_ends
 from loopelastica.molecule.gaps import around, find_gaps
 from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.obstacles import crowding, obstacles

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from loopelastica._arrays import Array, read_only
-from loopelastica.molecule.flanks import StrandEnds
+from loopelastica.molecule.strand_ends import StrandEnds
 from loopelastica.molecule.polymer import Gap
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record, read_only
 from loopelastica.errors import StructureError
-from loopelastica.molecule.flanks import StrandEnds
+from loopelastica.molecule.strand_ends import StrandEnds
 from loopelastica.molecule.obstacles import obstacles
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
 from loopelastica.molecule.trace import loop_arc_positions

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
-from loopelastica.molecule.flanks import StrandEnds
+from loopelastica.molecule.strand_ends import StrandEnds
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
 
 CROWDED_A: Final = 10.0
