@@ -17,7 +17,7 @@ from loopelastica._checks import shown, texts
 from loopelastica.errors import StructureError
 from loopelastica.molecule.chains import Chain, called, joined
 from loopelastica.molecule.components import BASES
-from loopelastica.molecule.gaps import gap_between
+from loopelastica.molecule.flanks import gap_between
 from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.polymer import Gap, Monomer
 from loopelastica.molecule.selection import Place, one_place, two_places
