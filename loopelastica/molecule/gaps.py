@@ -136,6 +136,7 @@ def find_gaps(entry: Entry, model: int = 0, strands: Any = None) -> Gaps:
         gap, refusals = _judged(with_request(chains, request), "")
         gaps += gap
         refused += refusals
+    _check_apart(gaps)
     tails: list[Tail] = []
     incomplete: list[Incomplete] = []
     remarks: list[str] = []
@@ -156,6 +157,18 @@ def find_gaps(entry: Entry, model: int = 0, strands: Any = None) -> Gaps:
         tuple(remarks),
         tuple(chains),
     )
+
+
+def _check_apart(gaps: Sequence[Gap]) -> None:
+    """Refuse strands of a user that are each other's flanks."""
+    built = {one.label: gap for gap in gaps for one in gap.monomers}
+    for gap in gaps:
+        other = built.get(gap.after.label) or built.get(gap.before.label)
+        if other is not None:
+            raise StructureError(
+                f"`strands`: {gap.name} and {other.name} have no nucleotide between them; name them"
+                " as one strand"
+            )
 
 
 def _touched(gap: Gap) -> Iterator[Monomer]:

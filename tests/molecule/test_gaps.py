@@ -143,6 +143,19 @@ def test_dna_and_its_old_names(entry, lines):
     assert [one.is_dna for one in old.monomers][2:] == [True, True]
 
 
+def test_a_chain_of_dna_and_rna(cif, lines):
+    names = [*SEQUENCE]
+    names[4:7] = ["DC", "DT", "DU"]
+    there = [
+        f"{x[:17]} DC{x[20:]}" if numbered(x) == 5 else x
+        for x in lines(keep=lambda n, atom: n != 5 or atom != "O2'")
+    ]
+    gap = only(find_gaps(cif(poly_seq(names), mmcif_sites(there))))
+    assert [(one.letter, one.is_dna) for one in gap.monomers] == [
+        *(("T", True), ("U", True), ("C", False), ("G", False))
+    ]
+
+
 def test_a_modified_nucleotide_that_is_missing_is_built_as_its_parent(entry, lines):
     names = [*SEQUENCE]
     names[5:8] = ["PSU", "5MU", "OMC"]

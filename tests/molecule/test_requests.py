@@ -186,6 +186,13 @@ def test_strands_side_by_side_have_no_ends(entry, lines):
         find_gaps(entry(lines()), strands=["A.6-7=UU", "A.8-9=CG"])
 
 
+def test_strands_that_are_each_others_flanks():
+    entry = read_entry(data_path("hairpins/2koc.pdb"))
+    with pytest.raises(StructureError, match=r"A\.6-7 and A\.8-9 have no nucleotide between"):
+        find_gaps(entry, strands=["A.6-7", "A.8-9"])
+    assert len(find_gaps(entry, strands=["A.6-7", "A.9-10"]).gaps) == 2
+
+
 def test_a_strand_that_cannot_be_spanned_is_refused(entry, lines):
     moved = [
         f"{x[:30]}{float(x[30:38]) + 70:8.3f}{x[38:]}" if numbered(x) > 9 else x for x in lines()
