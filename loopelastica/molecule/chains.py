@@ -6,6 +6,7 @@ in PDB files they are found by alignment. Where there is no record a chain is wh
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -209,12 +210,12 @@ def _unlabelled(
         return _placed(name, there, places, record, absent, used, remarks)
     if record is None:
         return Chain(name, tuple(there), "", "", used, remarks)
+    unseen = sorted((one.number, one.icode) for one in absent)
     between = [
-        _listed_between(absent, a, b) if absent else _between(a, b) for a, b in pairwise(there)
+        bisect(unseen, _key(b)) - bisect(unseen, _key(a)) if unseen else _between(a, b)
+        for a, b in pairwise(there)
     ]
-    before = there[0].number - 1
-    if absent:
-        before = sum((one.number, one.icode) < _key(there[0]) for one in absent)
+    before = bisect(unseen, _key(there[0])) if unseen else there[0].number - 1
     bonds = [bonded(a, b) for a, b in pairwise(there)]
     found = align(there, record.residues, bonds, between, before if before >= 0 else None)
     if found is None:
@@ -260,10 +261,6 @@ def _increasing(there: Sequence[Monomer]) -> bool:
 def _between(first: Monomer, second: Monomer) -> int:
     """How many nucleotides lie between two, by their numbers."""
     return max(0, second.number - first.number - 1)
-
-
-def _listed_between(absent: list[Absent], first: Monomer, second: Monomer) -> int:
-    return sum(_key(first) < (one.number, one.icode) < _key(second) for one in absent)
 
 
 def _placed(

@@ -35,14 +35,12 @@ def test_what_is_no_nucleotide(name):
     assert not is_nucleotide(name, ["C1'", "N"])
 
 
-@pytest.mark.parametrize(
-    ("letter", "is_dna"), [*zip("ACGU", [False] * 4), *zip("ACGT", [True] * 4)]
-)
-def test_expected_atoms_are_those_that_are_built(letter, is_dna):
-    residue = Residue(letter, is_dna, f"D{letter}" if is_dna else letter)
+@pytest.mark.parametrize("name", ["A", "C", "G", "U", "DA", "DC", "DG", "DT", "DU"])
+def test_expected_atoms_are_those_that_are_built(name):
+    residue = Residue(name[-1], len(name) > 1, name)
     molecule = loop_molecule([residue])
     built = {molecule.names[row] for row in molecule.loop_atoms}
-    assert set(expected_atoms(residue.resname, letter, is_dna)) == built
+    assert set(expected_atoms(name, residue.letter, residue.is_dna)) == built
 
 
 def test_what_can_be_built_as_it_is():
