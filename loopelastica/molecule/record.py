@@ -239,10 +239,11 @@ def _one_letter(block: Any) -> tuple[dict[str, str], dict[str, Rows]]:
     poly = _category(block, "_entity_poly.")
     canonical: dict[str, str] = {}
     coded: dict[str, Rows] = {}
-    n = len(poly.get("entity_id", ()))
-    nothing = [None] * n
+    if "entity_id" not in poly:
+        return canonical, coded
+    nothing = [None] * len(poly["entity_id"])
     for entity, kind, code, plain in zip(
-        poly.get("entity_id", ()),
+        poly["entity_id"],
         poly.get("type", nothing),
         poly.get("pdbx_seq_one_letter_code", nothing),
         poly.get("pdbx_seq_one_letter_code_can", nothing),

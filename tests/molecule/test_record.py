@@ -104,3 +104,8 @@ def test_parents_of_modified_components(cif, lines):
 def test_a_category_that_is_mixed_up_is_no_record(cif, lines):
     mixed = ["loop_", "_pdbx_poly_seq_scheme.asym_id", "_pdbx_pol.seq_id", "A 1"]
     assert records_of(cif(mixed, mmcif_sites(lines()))).by_label == {}
+
+
+def test_polymers_of_no_entity_are_no_record(cif, lines):
+    poly = mmcif_loop("entity_poly", "type pdbx_seq_one_letter_code", [("x", SEQUENCE)])
+    assert records_of(cif(poly, mmcif_sites(lines()))).by_label == {}
