@@ -25,12 +25,13 @@ from loopelastica.folding.expected import expected_rmsd
 from loopelastica.folding.line import NEAR_A, StrandLine, strand_lines
 from loopelastica.folding.options import keywords
 from loopelastica.molecule.entry import Entry, read_entry
-from loopelastica.molecule.strand_ends import StrandEnds, strand_ends
-from loopelastica.molecule.gaps import around, find_gaps
+from loopelastica.molecule.flanks import around
+from loopelastica.molecule.gaps import find_gaps
 from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.obstacles import crowding, obstacles
 from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
 from loopelastica.molecule.refusals import Refusal, refusal
+from loopelastica.molecule.strand_ends import StrandEnds, strand_ends
 from loopelastica.molecule.strands import ideal_strand
 from loopelastica.molecule.surroundings import heavy_atoms
 from loopelastica.report.compose import Removed

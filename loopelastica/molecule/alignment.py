@@ -109,7 +109,7 @@ def _running_argmin(values: Array) -> NDArray[np.int64]:
     return np.asarray(np.maximum.accumulate(here), dtype=np.int64)
 
 
-def _costs(monomers: Sequence[Monomer], listed: Sequence[Listed]) -> Array:
+def _costs(monomers: Sequence[Monomer], listed: Sequence[Listed]) -> NDArray[np.float32]:
     """Disagreement (n, m) of each nucleotide with each place of the record."""
     codes: dict[str, int] = {}
     there = np.array([codes.setdefault(_same(one.letter), len(codes)) for one in monomers])
@@ -117,18 +117,18 @@ def _costs(monomers: Sequence[Monomer], listed: Sequence[Listed]) -> Array:
     unknown = codes.get("N", -1)
     wrong = there[:, None] != named
     wrong &= (there[:, None] != unknown) & (named != unknown)
-    cost = _WRONG_LETTER * wrong
+    cost = np.where(wrong, np.float32(_WRONG_LETTER), np.float32(0.0))
     kinds: dict[str, int] = {}
     names = np.array([kinds.setdefault(one.resname, len(kinds)) for one in monomers])
     firsts = np.array([kinds.setdefault(one.names[0], len(kinds)) for one in listed])
-    cost += _WRONG_NAME * (names[:, None] != firsts)
+    cost[names[:, None] != firsts] += _WRONG_NAME
     for j, one in enumerate(listed):
         for other in one.names[1:]:
             cost[names == kinds.get(other, -1), j] = 0.0
-    return np.asarray(cost)
+    return cost
 
 
-def _windows(costs: Array) -> Array:
+def _windows(costs: NDArray[np.float32]) -> Array:
     """Sum of a segment's costs (length, m) for each place where it may begin."""
     length, m = costs.shape
     total = np.zeros(m - length + 1)

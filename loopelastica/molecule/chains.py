@@ -6,6 +6,7 @@ in PDB files they are found by alignment. Where there is no record a chain is wh
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -95,15 +96,16 @@ def chains_of(entry: Entry, model: int = 0) -> list[Chain]:
     list of Chain
     """
     records = records_of(entry, model)
+    names = {chain: record.names for chain, record in records.by_author.items()}
     used: dict[str, set[Place]] = {}
     rows: dict[tuple[str, str | None], list[_Row]] = {}
     for part, chain in enumerate(entry.model(model)):
         for one in taken(chain):
             used.setdefault(chain.name, set()).add(one.place)
-            subchain, listed = one.residue.subchain, records.by_author.get(chain.name)
+            subchain = one.residue.subchain
             label = subchain if subchain in records.by_label else None
             # whatever the record lists is part of the chain, however its atoms are called
-            known = label is not None or (listed and one.residue.name in listed.names)
+            known = label is not None or one.residue.name in names.get(chain.name, ())
             if not known and not one.is_nucleotide:
                 continue
             rows.setdefault((chain.name, label), []).append(_Row(one, part))
@@ -176,6 +178,8 @@ def _labelled(
     places = [one.residue.label_seq - 1 for one in ordered]
     remarks = _choices(name, ordered)
     there = [monomer(name, one) for one in ordered]
+    if any(one.repeated for one in ordered):
+        return Chain(name, tuple(there), "", _two_chains(name), used, remarks)
     if places[0] < 0 or places[-1] >= len(record.residues) or len(set(places)) < len(places):
         fault = f"label_seq_id of {called(name)} contradicts {record.source}"
         return Chain(name, tuple(there), "", fault, used, remarks)
@@ -195,7 +199,7 @@ def _unlabelled(
     ]
     remarks = _choices(name, ordered)
     seen = {one.place for one in ordered}
-    twice = len(seen) < len(ordered)
+    twice = len(seen) < len(ordered) or any(one.repeated for one in ordered)
     absent = [one for one in records.absent.get(name, []) if (one.number, one.icode) not in seen]
     absent = [one for one in absent if component(one.name) is not None]
     if twice:
@@ -206,12 +210,12 @@ def _unlabelled(
         return _placed(name, there, places, record, absent, used, remarks)
     if record is None:
         return Chain(name, tuple(there), "", "", used, remarks)
+    unseen = sorted((one.number, one.icode) for one in absent)
     between = [
-        _listed_between(absent, a, b) if absent else _between(a, b) for a, b in pairwise(there)
+        bisect(unseen, _key(b)) - bisect(unseen, _key(a)) if unseen else _between(a, b)
+        for a, b in pairwise(there)
     ]
-    before = there[0].number - 1
-    if absent:
-        before = sum((one.number, one.icode) < _key(there[0]) for one in absent)
+    before = bisect(unseen, _key(there[0])) if unseen else there[0].number - 1
     bonds = [bonded(a, b) for a, b in pairwise(there)]
     found = align(there, record.residues, bonds, between, before if before >= 0 else None)
     if found is None:
@@ -257,10 +261,6 @@ def _increasing(there: Sequence[Monomer]) -> bool:
 def _between(first: Monomer, second: Monomer) -> int:
     """How many nucleotides lie between two, by their numbers."""
     return max(0, second.number - first.number - 1)
-
-
-def _listed_between(absent: list[Absent], first: Monomer, second: Monomer) -> int:
-    return sum(_key(first) < (one.number, one.icode) < _key(second) for one in absent)
 
 
 def _placed(

@@ -54,6 +54,11 @@ class Taken:
         return seqid.num, seqid.icode.strip()
 
     @property
+    def repeated(self) -> bool:
+        """Whether an atom is there twice: residues of one name and number that gemmi joins."""
+        return len({atom.name for atom in self.atoms}) < len(self.atoms)
+
+    @property
     def is_nucleotide(self) -> bool:
         """Whether it may stand in a chain of nucleotides."""
         return is_nucleotide(self.residue.name, (atom.name for atom in self.atoms))
@@ -84,7 +89,7 @@ class _Heavy:
     def chosen(self, mean: dict[str, float]) -> tuple[list[Any], str]:
         """Atoms of the location of highest occupancy; what it lacks from the next best one."""
         if not self.letters:
-            return _once(self.atoms), ""
+            return self.atoms, ""
         order = sorted(self.letters, key=lambda letter: -mean[letter])
         rank = {letter: k for k, letter in enumerate([_NONE, *order])}
         best = _once(sorted(self.atoms, key=lambda atom: rank[atom.altloc]))
@@ -129,7 +134,7 @@ def _runs(places: list[list[_Heavy]]) -> Iterator[list[list[_Heavy]]]:
 def _neighbours(first: Any, second: Any) -> bool:
     # across a gap too: what stands on both its sides must be of one location
     in_chain = first.het_flag == second.het_flag == "A"
-    return in_chain or second.seqid.num - first.seqid.num <= 1
+    return in_chain or bool(second.seqid.num - first.seqid.num <= 1)
 
 
 def _means(run: list[list[_Heavy]]) -> dict[str, float]:

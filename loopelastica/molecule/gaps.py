@@ -18,9 +18,9 @@ import numpy as np
 
 from loopelastica._arrays import Record
 from loopelastica.errors import StructureError
-from loopelastica.molecule.chains import Chain, bond_A, bonded, called, chains_of, joined
-from loopelastica.molecule.components import BASES, PHOSPHATE, expected_atoms, is_standard
+from loopelastica.molecule.chains import Chain, bond_A, called, chains_of, joined
 from loopelastica.molecule.entry import Entry
+from loopelastica.molecule.flanks import gap_between, missing_atoms
 from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.polymer import Gap, Monomer
 from loopelastica.molecule.refusals import (
@@ -30,6 +30,7 @@ from loopelastica.molecule.refusals import (
     reason_against,
     refusal,
 )
+from loopelastica.molecule.requests import requests, with_request
 
 
 class Tail(NamedTuple):
@@ -124,8 +125,6 @@ def find_gaps(entry: Entry, model: int = 0, strands: Any = None) -> Gaps:
     >>> [(gap.name, gap.sequence, gap.before.label) for gap in found.gaps]
     [('A.6-9', 'UUCG', 'A.C5')]
     """
-    from loopelastica.molecule.requests import requests, with_request
-
     wanted = requests(strands)
     chains = chains_of(entry, model)
     if not chains:
@@ -137,6 +136,7 @@ def find_gaps(entry: Entry, model: int = 0, strands: Any = None) -> Gaps:
         gap, refusals = _judged(with_request(chains, request), "")
         gaps += gap
         refused += refusals
+    _check_apart(gaps)
     tails: list[Tail] = []
     incomplete: list[Incomplete] = []
     remarks: list[str] = []
@@ -157,6 +157,18 @@ def find_gaps(entry: Entry, model: int = 0, strands: Any = None) -> Gaps:
         tuple(remarks),
         tuple(chains),
     )
+
+
+def _check_apart(gaps: Sequence[Gap]) -> None:
+    """Refuse strands of a user that are each other's flanks."""
+    built = {one.label: gap for gap in gaps for one in gap.monomers}
+    for gap in gaps:
+        other = built.get(gap.after.label) or built.get(gap.before.label)
+        if other is not None:
+            raise StructureError(
+                f"`strands`: {gap.name} and {other.name} have no nucleotide between them; name them"
+                " as one strand"
+            )
 
 
 def _touched(gap: Gap) -> Iterator[Monomer]:
@@ -182,7 +194,10 @@ class _Found:
         self._ends(chain, usable[0], usable[-1])
         for i, j in pairwise(usable):
             between = chain.slots[i + 1 : j]
-            if between and all(map(is_foreign, between)):
+            unlisted = [] if chain.source else list(_jumps(chain.slots[i : j + 1]))
+            if unlisted:
+                self.refused += [_unlisted(chain, *ends) for ends in unlisted]
+            elif between and all(map(is_foreign, between)):
                 names = enumerated([one.label for one in between])
                 self.remarks.append(
                     f"{names}: the backbone has atoms of other names; left as it is"
@@ -225,126 +240,40 @@ class _Found:
                 )
 
     def _step(self, chain: Chain, first: Monomer, second: Monomer) -> None:
-        """A step between usable neighbours: a bond, a broken one, or a gap nobody lists."""
-        if joined(first, second):
-            return
-        n = second.number - first.number - 1
+        """A step between usable neighbours: a bond, or a broken one."""
         bond = bond_A(first, second)
-        far = "" if np.isnan(bond) else f" (O3'–P {bond:.1f} Å)"
-        between = f"{first.label}–{second.label}"
-        if chain.source or n < 1:
-            if not np.isnan(bond):
-                self.remarks.append(
-                    f"{between}: the bond is broken{far} and nothing is missing between, so it is"
-                    " left"
-                )
-            return
-        name = f"{first.number + 1}-{second.number - 1}" if n > 1 else f"{first.number + 1}"
-        where = f"{chain.name}.{name}" if chain.name else name
-        letters = "N" * min(n, MOST_NUCLEOTIDES + 1)
-        fault = f"; {chain.fault}" if chain.fault else " and the file has no sequence for them"
-        reason = (
-            f"{where}: the numbers say that {n} nt are missing between {between}{far}{fault}; give"
-            f" the sequence as a strand, {where}={letters if n <= MOST_NUCLEOTIDES else 'N…'}"
-        )
-        numbers = str(first.number + 1), str(second.number - 1)
-        self.refused.append(Refusal(chain.name, *numbers, letters, reason))
-
-
-def gap_between(chain: Chain, i: int, j: int, given: bool = False) -> Gap:
-    """The gap between two usable nucleotides of a chain.
-
-    Parameters
-    ----------
-    chain : Chain
-    i, j : int
-        Their places in it.
-    given : bool
-        Whether the sequence is the user's.
-
-    Returns
-    -------
-    Gap
-        With a sentence for each choice in it.
-    """
-    slots = chain.slots
-    before, after, monomers = slots[i], slots[j], slots[i + 1 : j]
-    outwards = slots[i - 1] if i else None, slots[j + 1] if j + 1 < len(slots) else None
-    remarks = []
-    for one in monomers:
-        if one.atoms_A:
-            remarks.append(f"{one.label} has only {_listed(one)}; it is part of the gap")
-        if not is_standard(one.resname) and one.letter in BASES:
-            remarks.append(f"{one.label} is built as its parent base, {one.letter}")
-    for one, at_5 in ((before, i == 0 or not slots[i - 1].atoms_A), (after, False)):
-        lacking = missing_atoms(one, at_5)
-        if lacking:
-            remarks.append(
-                f"{one.label} beside the gap lacks {enumerated(lacking)}; they are added"
+        if not np.isnan(bond) and not joined(first, second):
+            self.remarks.append(
+                f"{first.label}–{second.label}: the bond is broken (O3'–P {bond:.1f} Å) and nothing"
+                " is missing between, so it is left"
             )
-    return Gap(
-        monomers=monomers,
-        before=before,
-        after=after,
-        beyond_5=outwards[0] if outwards[0] and bonded(outwards[0], before) else None,
-        beyond_3=outwards[1] if outwards[1] and bonded(after, outwards[1]) else None,
-        given=given,
-        remarks=tuple(remarks),
+
+
+def _jumps(slots: Sequence[Monomer]) -> Iterator[tuple[Monomer, Monomer]]:
+    """Steps without a bond over which the numbers jump."""
+    for first, second in pairwise(slots):
+        if second.number - first.number > 1 and not joined(first, second):
+            yield first, second
+
+
+def _unlisted(chain: Chain, first: Monomer, second: Monomer) -> Refusal:
+    """Refuse a gap that only the numbers tell of."""
+    n = second.number - first.number - 1
+    bond = bond_A(first, second)
+    far = "" if np.isnan(bond) else f" (O3'–P {bond:.1f} Å)"
+    numbers = str(first.number + 1), str(second.number - 1)
+    name = numbers[0] if n == 1 else "-".join(numbers)
+    where = f"{chain.name}.{name}" if chain.name else name
+    letters = "N" * min(n, MOST_NUCLEOTIDES + 1)
+    fault = f"; {chain.fault}" if chain.fault else " and the file has no sequence for them"
+    return Refusal(
+        chain.name,
+        *numbers,
+        letters,
+        f"{where}: the numbers say that {n} nt are missing between {first.label} and"
+        f" {second.label}{far}{fault}; give the sequence as a strand,"
+        f" {where}={letters if n <= MOST_NUCLEOTIDES else 'N…'}",
     )
-
-
-def around(chains: Sequence[Chain], monomer: Monomer) -> Gap | None:
-    """One nucleotide that lacks atoms, as a gap between its neighbours.
-
-    Parameters
-    ----------
-    chains : sequence of Chain
-    monomer : Monomer
-        One of their nucleotides.
-
-    Returns
-    -------
-    Gap or None
-        None where one of its neighbours is not there, or no strand can end on it.
-    """
-    for chain in chains:
-        for k, one in enumerate(chain.slots[1:-1], start=1):
-            if one is monomer:
-                sides = chain.slots[k - 1], chain.slots[k + 1]
-                return gap_between(chain, k - 1, k + 1) if all(s.usable for s in sides) else None
-    return None
-
-
-def _listed(one: Monomer) -> str:
-    names = list(one.atoms_A)
-    if len(names) == 1:
-        return names[0]
-    if len(names) > 6:
-        return f"{len(names)} atoms, and not the backbone"
-    return f"{', '.join(names[:-1])} and {names[-1]}"
-
-
-def missing_atoms(one: Monomer, at_5_end: bool) -> list[str]:
-    """Heavy atoms that a nucleotide lacks; at a 5' end the phosphate may be absent.
-
-    Parameters
-    ----------
-    one : Monomer
-    at_5_end : bool
-        Whether nothing stands before it.
-
-    Returns
-    -------
-    list of str
-    """
-    lacking = [
-        name
-        for name in expected_atoms(one.resname, one.letter, one.is_dna)
-        if name not in one.atoms_A
-    ]
-    if at_5_end and set(PHOSPHATE) <= set(lacking):
-        lacking = [name for name in lacking if name not in PHOSPHATE]
-    return lacking
 
 
 def _incomplete(slots: Sequence[Monomer]) -> Iterator[Incomplete]:

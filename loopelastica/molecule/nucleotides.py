@@ -174,8 +174,6 @@ def read_structure(source: Any, limits: Limits | None = None) -> Structure:
     ------
     StructureError
         If the file cannot be read or has no nucleotide; one sentence with file and cause.
-    MissingDependencyError
-        If mmCIF is to be read without gemmi.
     ValueError
         If `source` is none of these.
     """

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
-from loopelastica.molecule.strand_ends import StrandEnds
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
+from loopelastica.molecule.strand_ends import StrandEnds
 
 CROWDED_A: Final = 10.0
 """How far from the chord atoms count for how crowded it is."""

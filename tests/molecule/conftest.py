@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 
@@ -10,6 +11,9 @@ import pytest
 
 from loopelastica.molecule.hairpins import Hairpins, find_hairpins
 from loopelastica.molecule.nucleotides import Structure, read_structure
+
+# records of files with gaps
+sys.path.insert(0, str(Path(__file__).parent))
 
 ROOT = Path(__file__).parents[2]
 SHARED = ROOT / ".." / "shared" / "hairpins"
@@ -49,3 +53,57 @@ def pdb(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return write
+
+
+# --- 2KOC with nucleotides taken out --------------------------------------------------------------
+
+
+@pytest.fixture
+def lines(koc_lines) -> Callable[..., list[str]]:
+    """Heavy atoms of 2KOC without some of its nucleotides; numbers and names by choice."""
+
+    from gapped import numbered
+
+    def take(
+        without: Iterable[int] = (6, 7, 8, 9),
+        *,
+        chain: str = "A",
+        number: Callable[[int], str] = lambda n: f"{n:4d} ",
+        keep: Callable[[int, str], bool] = lambda n, atom: True,
+    ) -> list[str]:
+        return [
+            f"{line[:21]}{chain}{number(numbered(line))}{line[27:]}"
+            for line in koc_lines
+            if line[76:78].strip() != "H"
+            and numbered(line) not in set(without)
+            and keep(numbered(line), line[12:16].strip())
+        ]
+
+    return take
+
+
+@pytest.fixture
+def entry(tmp_path):
+    """Write records of a PDB file and read it."""
+    from loopelastica.molecule.entry import read_entry
+
+    def read(*records: Iterable[str], name: str = "gap.pdb"):
+        path = tmp_path / name
+        path.write_text("\n".join([line for group in records for line in group] + ["END", ""]))
+        return read_entry(path)
+
+    return read
+
+
+@pytest.fixture
+def cif(tmp_path):
+    """Write categories of an mmCIF file and read it."""
+    from loopelastica.molecule.entry import read_entry
+
+    def read(*categories: Iterable[str], name: str = "gap.cif"):
+        path = tmp_path / name
+        rows = [line for category in categories for line in category]
+        path.write_text("\n".join(["data_gap", *rows, ""]))
+        return read_entry(path)
+
+    return read

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import gzip
-import sys
 import warnings
 from pathlib import Path
 
+import gemmi
 import numpy as np
 import pytest
 
-from loopelastica.errors import MissingDependencyError, StructureError
+from loopelastica.errors import StructureError
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
 
@@ -236,7 +236,6 @@ def test_gzip_changes_nothing(tmp_path, koc):
 
 
 def test_mmcif_gives_every_model(tmp_path, koc):
-    gemmi = pytest.importorskip("gemmi")
     path = tmp_path / "2koc.cif"
     gemmi.read_pdb(str(KOC)).make_mmcif_document().write_file(str(path))
     structure = read_structure(path)
@@ -248,7 +247,6 @@ def test_mmcif_gives_every_model(tmp_path, koc):
 
 
 def test_mmcif_and_pdb_agree_on_names_numbers_and_every_model(tmp_path, hairpins_folder):
-    gemmi = pytest.importorskip("gemmi")
     for entry in ("1idx", "2g1g", "1msy"):
         source = hairpins_folder / f"{entry}.pdb.gz"
         path = tmp_path / f"{entry}.cif"
@@ -266,7 +264,6 @@ def test_mmcif_and_pdb_agree_on_names_numbers_and_every_model(tmp_path, hairpins
 
 
 def test_mmcif_models_of_unequal_size(tmp_path, koc):
-    gemmi = pytest.importorskip("gemmi")
     structure = gemmi.read_pdb(str(KOC))
     del structure[1][0][5]
     path = tmp_path / "unequal.cif"
@@ -281,7 +278,6 @@ def test_mmcif_models_of_unequal_size(tmp_path, koc):
 @pytest.fixture
 def mmcif(tmp_path):
     """Write 2KOC as mmCIF with one value of the fifth atom changed, or a column left out."""
-    gemmi = pytest.importorskip("gemmi")
 
     def write(column: str, value: str | None, row: int = 4) -> Path:
         block = gemmi.read_pdb(str(KOC)).make_mmcif_block()
@@ -335,20 +331,11 @@ def test_columns_of_an_mmcif_file_that_are_not_needed(mmcif, koc):
 
 
 def test_the_line_of_an_error_in_mmcif(tmp_path):
-    pytest.importorskip("gemmi")
     path = tmp_path / "some.cif"
     path.write_text("data_x\nloop_\n_a.b\n_a.c\n1 2\n3\n")
     assert "line 6 has 1 values in place of 2" in fault_of(path)
     path.write_text("data_x\n_a.b 1\n_a.b 2\n")
     assert "line 3 in data_x" in fault_of(path)
-
-
-def test_mmcif_without_gemmi_names_the_extra(tmp_path, monkeypatch):
-    path = tmp_path / "some.cif"
-    path.write_text("data_x\n")
-    monkeypatch.setitem(sys.modules, "gemmi", None)
-    with pytest.raises(MissingDependencyError, match=r"loopelastica\[mmcif\]"):
-        read_structure(path)
 
 
 def test_a_universe_is_read_in_its_current_frame_and_left_there(koc):
@@ -419,7 +406,6 @@ def test_the_file_whose_first_record_mdanalysis_cannot_place(hairpins_folder):
 
 
 def test_a_name_in_an_mmcif_file_that_is_no_ascii_is_told_with_its_line(tmp_path, write_cif):
-    pytest.importorskip("gemmi")
     path = write_cif(tmp_path / "x.cif", "é")
     lines = path.read_text(encoding="utf-8").splitlines()
     first = next(n for n, line in enumerate(lines, 1) if "é" in line)
