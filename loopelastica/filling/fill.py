@@ -99,6 +99,39 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
     )
 
 
+def strand_models(
+    gap: Gap, ends: StrandEnds, atoms: HeavyAtoms, most: int = 1
+) -> list[tuple[StrandLine, StrandModel]]:
+    """Lines of a strand with atoms on them: sound models first, then the order of the lines.
+
+    Parameters
+    ----------
+    gap : Gap
+        What is built.
+    ends : StrandEnds
+        Where its line begins and ends.
+    atoms : HeavyAtoms
+        All that is there.
+    most : int
+        How many at most.
+
+    Returns
+    -------
+    list of (StrandLine, StrandModel)
+
+    Raises
+    ------
+    StructureError
+        If no line was found, or a base is unknown.
+    """
+    is_dna = sum(monomer.is_dna for monomer in gap.monomers) > len(gap) / 2
+    models = []
+    for line in strand_lines(gap, ends, atoms, most):
+        between = Line.between(line.rod, ends, ideal_strand(is_dna))
+        models.append((line, build_strand(gap, _InFile(between, ends), atoms)))
+    return sorted(models, key=lambda pair: not pair[1].checks.sound)
+
+
 class _Filler:
     """One model of an entry; its atoms grow with every strand."""
 
@@ -106,7 +139,7 @@ class _Filler:
         self.model, self.options = model, options
         self.found = find_gaps(entry, model, options.strands)
         replaced = {m.label for gap in self.found.gaps for m in gap.replaces}
-        self.atoms = _without(heavy_atoms(entry, model), replaced)
+        self.atoms = without(heavy_atoms(entry, model), replaced)
         self.built: dict[str, Monomer] = {}
         self.remarks = [*self.found.remarks, *map(str, self.found.tails)]
 
@@ -133,8 +166,7 @@ class _Filler:
                 continue
             try:
                 gap = self._with_built(gap)
-                (line,) = strand_lines(gap, strand_ends(gap), self.atoms)
-                model = self._model(gap, line)
+                ((_, model),) = strand_models(gap, strand_ends(gap), self.atoms)
             except StructureError as error:
                 self.remarks.append(str(error))
                 continue
@@ -145,17 +177,14 @@ class _Filler:
 
     def _filled(self, gap: Gap) -> FilledStrand:
         ends = strand_ends(gap)
-        lines = strand_lines(gap, ends, self.atoms, self.options.candidates)
         crowded = crowding(ends, self.atoms.positions_A[obstacles(gap, ends, self.atoms)])
-        models = [(line, self._model(gap, line)) for line in lines]
-        # chemistry first, then the order of the lines
-        models.sort(key=lambda pair: not pair[1].checks.sound)
+        models = strand_models(gap, ends, self.atoms, self.options.candidates)
         expected = expected_rmsd(gap, ends, crowded)
         candidates = tuple(
             FilledCandidate(rank, line, model, expected, self._waters(model))
             for rank, (line, model) in enumerate(models, start=1)
         )
-        self._grown(models[0][1])
+        self._grown(candidates[0].atoms)
         return FilledStrand(
             chain=gap.chain,
             first=gap.monomers[0].place,
@@ -171,11 +200,6 @@ class _Filler:
             remarks=(*gap.remarks, *_remarks(gap, candidates[0])),
             nucleotides=len(gap),
         )
-
-    def _model(self, gap: Gap, line: StrandLine) -> StrandModel:
-        is_dna = sum(monomer.is_dna for monomer in gap.monomers) > len(gap) / 2
-        between = Line.between(line.rod, line.ends, ideal_strand(is_dna))
-        return build_strand(gap, _InFile(between, line.ends), self.atoms)
 
     def _refused(self, found: Refusal) -> FilledStrand:
         return FilledStrand(
@@ -224,8 +248,8 @@ class _Filler:
         return waters
 
 
-def _without(atoms: HeavyAtoms, labels: Collection[str]) -> HeavyAtoms:
-    """The atoms of all residues but some."""
+def without(atoms: HeavyAtoms, labels: Collection[str]) -> HeavyAtoms:
+    """The atoms of all residues but those of some labels."""
     own = [row for row, label in enumerate(atoms.labels) if label in labels]
     return atoms.grown((), np.flatnonzero(np.isin(atoms.residue, own))) if own else atoms
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import gemmi
 import numpy as np
@@ -49,7 +49,7 @@ class Entry:
 
     name: str
     path: Path | None
-    kind: str
+    kind: Literal["pdb", "mmcif"]
     text: str = field(repr=False)
     structure: Any = field(repr=False)
     document: Any = field(default=None, repr=False)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from loopelastica.molecule.chains import Chain, bonded
 from loopelastica.molecule.components import BASES, PHOSPHATE, expected_atoms, is_standard
 from loopelastica.molecule.nucleotides import enumerated

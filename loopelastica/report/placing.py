@@ -128,10 +128,16 @@ def plan_for(rows: Sequence[Row], position_A: PositionOf, changes: Changes) -> P
     plan = Plan()
     followers: dict[tuple[int, Place], list[AddedResidue]] = defaultdict(list)
     first: list[AddedResidue] = []
+    for removed in changes.removed:
+        plan.gone.update(sites.removed(removed))
     own = {(residue.model, residue.place) for residue in changes.added}
     for residue in changes.added:
         run = sites.nucleotide(residue.model, residue.place, residue.resname, residue.asym)
-        if run is not None:
+        if run is not None and plan.gone.issuperset(run):
+            # all of it is given up for this one
+            plan.after[run[-1]].extend(_whole(residue, like=run[-1]))
+            own.discard((residue.model, residue.place))
+        elif run is not None:
             own.discard((residue.model, residue.place))
             _complete(plan, rows, run, residue)
         elif residue.after is None:
@@ -153,8 +159,6 @@ def plan_for(rows: Sequence[Row], position_A: PositionOf, changes: Changes) -> P
             f"{left.label}: it is to follow {label(left.after or left.place)}, which is neither in"
             " the file nor among the nucleotides that lead there"
         )
-    for removed in changes.removed:
-        plan.gone.update(sites.removed(removed))
     for key, position in changes.moved.items():
         row, *others = sites.atom(*key)
         plan.moved[row] = tuple(float(x) for x in position)
