@@ -179,9 +179,8 @@ class _Filler:
         ends = strand_ends(gap)
         crowded = crowding(ends, self.atoms.positions_A[obstacles(gap, ends, self.atoms)])
         models = strand_models(gap, ends, self.atoms, self.options.candidates)
-        expected = expected_rmsd(gap, ends, crowded)
         candidates = tuple(
-            FilledCandidate(rank, line, model, expected, self._waters(model))
+            FilledCandidate(rank, line, model, expected_rmsd(line, crowded), self._waters(model))
             for rank, (line, model) in enumerate(models, start=1)
         )
         self._grown(candidates[0].atoms)

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record, read_only
 from loopelastica.errors import StructureError
-from loopelastica.molecule.strand_ends import StrandEnds
 from loopelastica.molecule.obstacles import obstacles
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
+from loopelastica.molecule.strand_ends import StrandEnds
 from loopelastica.molecule.trace import loop_arc_positions
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.curves import standard_guesses

@@ -62,6 +62,8 @@ class StrandEnds(Record):
         Its length.
     fit_rms_A : (2,) array
         Misfit of the ideal nucleotide on the flanking ones, Å.
+    is_dna : bool
+        Whether all that it stands for is DNA.
     """
 
     start_origin_A: Array
@@ -71,6 +73,7 @@ class StrandEnds(Record):
     n: int
     length_A: float
     fit_rms_A: Array
+    is_dna: bool
 
     def __repr__(self) -> str:
         return (
@@ -198,4 +201,6 @@ def strand_ends(gap: Gap) -> StrandEnds:
     # a strand of both kinds is as short as one of RNA
     is_dna = all(monomer.is_dna for monomer in gap.monomers)
     length_A = line_length(n, distance_A, is_dna)
-    return StrandEnds(start, start_frame, end, end_frame, n, length_A, np.array([rms_5, rms_3]))
+    return StrandEnds(
+        start, start_frame, end, end_frame, n, length_A, np.array([rms_5, rms_3]), is_dna
+    )

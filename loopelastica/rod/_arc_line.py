@@ -79,7 +79,7 @@ class ArcLine(NamedTuple):
 
 
 def _sinc(angle: Array) -> Array:
-    """sin φ/φ."""
+    """Sin φ/φ."""
     return np.asarray(np.sinc(angle / np.pi))
 
 

@@ -15,7 +15,7 @@ from loopelastica._arrays import Array
 from loopelastica._files import write_csv, write_text
 from loopelastica.errors import LoopelasticaError
 from loopelastica.filling.fill import strand_models, without
-from loopelastica.folding.expected import expected_rmsd
+from loopelastica.folding.expected import expected_rmsd, length_class, signs
 from loopelastica.folding.line import strand_lines
 from loopelastica.molecule.entry import Entry, read_entry
 from loopelastica.molecule.flanks import gap_between
@@ -33,14 +33,7 @@ from loopelastica.studies.sources import structure_files
 from loopelastica.studies.strands.report import report
 from loopelastica.studies.strands.selection import Cut, cuts, distinct
 
-CLASSES: Final = ((1, "1"), (2, "2"), (4, "3-4"), (9, "5-9"), (12, "10-12"))
-"""Lengths that are counted together: up to how many nucleotides, and their name."""
 _SEED: Final = 2026
-
-
-def length_class(n: int) -> str:
-    """The name of the class of a length, such as "3-4"."""
-    return next(name for most, name in CLASSES if n <= most)
 
 
 def run(
@@ -187,8 +180,6 @@ def _measured(gap: Gap, atoms: HeavyAtoms) -> dict[str, Any]:
         "crowding": crowded,
         **{f"rmsd_{k}_A": rmsd_A(points, native) for k, points in _curves(ends).items()},
     }
-    low, middle, high = expected_rmsd(gap, ends, crowded)
-    row |= {"expected_10_A": low, "expected_50_A": middle, "expected_90_A": high}
     begin = time.process_time()
     lines = strand_lines(gap, ends, atoms, 5)
     row["lines_s"] = time.process_time() - begin
@@ -196,6 +187,10 @@ def _measured(gap: Gap, atoms: HeavyAtoms) -> dict[str, Any]:
     row["rmsd_line_A"] = rmsd_A(lines[0].trace, native)
     row["rmsd_best_of_five_A"] = min(rmsd_A(line.trace, native) for line in lines)
     row["nearest_A"] = lines[0].nearest_A
+    row["energy"] = lines[0].rod.energy
+    row["signs"] = [round(float(value), 4) for value in signs(lines[0], crowded)]
+    low, middle, high = expected_rmsd(lines[0], crowded)
+    row |= {"expected_10_A": low, "expected_50_A": middle, "expected_90_A": high}
     begin = time.process_time()
     ((_, model),) = strand_models(gap, ends, atoms)
     row["whole_s"] = time.process_time() - begin
