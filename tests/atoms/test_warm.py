@@ -1,11 +1,8 @@
-import importlib
 import os
 import subprocess
 import sys
 
 import pytest
-
-from loopelastica.atoms.kernels import clash, lbfgs, terms
 
 
 @pytest.mark.slow
@@ -30,9 +27,3 @@ def test_nothing_is_left_to_be_compiled_when_atoms_are_built(tmp_path):
     here = os.path.dirname(__file__)
     subprocess.run([sys.executable, "-c", script, here], env=environment, check=True)
     assert {path for path in tmp_path.rglob("*") if path.is_file()} == before
-
-
-def test_every_kernel_module_of_the_room_is_warmed():
-    warm = importlib.import_module("loopelastica.atoms.warm")
-    for module in (clash, lbfgs, terms):
-        assert any(name in vars(warm) for name in vars(module) if not name.startswith("_"))
