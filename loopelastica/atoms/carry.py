@@ -140,6 +140,28 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class IdealCurve:
+    """The helix line of an ideal strand of which nucleotide 1 is laid somewhere.
+
+    Attributes
+    ----------
+    strand : Strand
+    rotation, shift : (3, 3), (3,) array
+        From the coordinates of the strand's table to where it lies, Å.
+    """
+
+    strand: Strand
+    rotation: Array
+    shift: Array
+
+    def at(self, phases: ArrayLike) -> tuple[Array, Array]:
+        """Points (m, 3) and frames (m, 3, 3) at the phases (m,)."""
+        phase = np.atleast_1d(np.asarray(phases, dtype=np.float64))
+        points, frames = zip(*(line_frame(self.strand, x - 1.0) for x in phase), strict=True)
+        return np.array(points) @ self.rotation.T + self.shift, self.rotation @ np.array(frames)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Bent:
     """A curve with its middle moved aside: by half a sine wave, or by a whole one.
 

@@ -174,7 +174,8 @@ def check(site: Site, positions: Array, line: Array, start: Array, status: Statu
         for k in own
     ]
     closest, pair, clashes = _contacts(site, positions)
-    backbone = np.array([[rows[k, name] for name in BACKBONE] for k in own])
+    # a nucleotide at a 5' end may have no phosphate
+    backbone = [[rows[k, name] for name in BACKBONE if (k, name) in rows] for k in own]
     return Checks(
         status=MESSAGES[status],
         bonds=len(bond),
@@ -199,9 +200,11 @@ def check(site: Site, positions: Array, line: Array, start: Array, status: Statu
         closest_A=closest,
         closest=" and ".join(site.label(row) for row in pair),
         clashes_per_1000=1000.0 * clashes / max(int(site.moving.sum()), 1),
-        line_before_A=_rms(np.linalg.norm(start[backbone].mean(axis=1) - line, axis=1)),
-        line_after_A=_rms(np.linalg.norm(positions[backbone].mean(axis=1) - line, axis=1)),
-        backbone_shift_A=_rms(np.linalg.norm(positions[backbone] - start[backbone], axis=-1)),
+        line_before_A=_from_line(start, backbone, line),
+        line_after_A=_from_line(positions, backbone, line),
+        backbone_shift_A=_rms(
+            np.linalg.norm((positions - start)[np.concatenate(backbone)], axis=1)
+        ),
     )
 
 
@@ -286,6 +289,11 @@ def _contacts(site: Site, positions: Array) -> tuple[float, tuple[int, ...], int
         return np.inf, (), 0
     row, column = np.unravel_index(int(every.argmin()), every.shape)
     return float(every[row, column]), (int(row), int(column)), clashes
+
+
+def _from_line(positions: Array, backbone: list[list[int]], line: Array) -> float:
+    centroids = np.array([positions[rows].mean(axis=0) for rows in backbone])
+    return _rms(np.linalg.norm(centroids - line, axis=1))
 
 
 def _where(site: Site, rows: NDArray[np.int64], off: Array) -> str:

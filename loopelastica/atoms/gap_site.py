@@ -27,6 +27,7 @@ from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
 PHOSPHATE: Final = ("P", "OP1", "OP2")
 _SAME_A: Final = 1e-3
 _NAMED: Final = "ACGUT"
+_SUGAR: Final = ("OP1", "OP2", "C1'", "C2'", "O4'")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,6 +84,8 @@ def gap_site(gap: Gap, line: Curve, atoms: HeavyAtoms) -> Site:
     file_A = np.full((len(molecule.names), 3), np.nan)
     for (k, name), row in molecule.rows.items():
         file_A[row] = there[k].get(name, np.nan)
+    if np.isfinite(file_A).all():
+        raise StructureError(f"{gap.name}: no atom is missing; there is nothing to build")
     origin, frame = _local_frame(gap, there)
     around, rings = _around(molecule, file_A, there, line, atoms, origin, frame)
     labels = {k: monomer.label for k, monomer in monomers.items()}
@@ -127,9 +130,6 @@ def _parts(
     return parts
 
 
-_SUGAR: Final = ("OP1", "OP2", "C1'", "C2'", "O4'")
-
-
 def _bonded_5(
     k: int, monomers: Mapping[int, Monomer], there: Mapping[int, Mapping[str, Array]], n: int
 ) -> bool:
@@ -152,7 +152,8 @@ def _local_frame(gap: Gap, there: Mapping[int, Mapping[str, Array]]) -> tuple[Ar
             x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
             return places[0], np.stack([x, np.cross(z, x), z], axis=1)
     raise StructureError(
-        f"{gap.before.label}: too few atoms of its backbone; strand {gap.name} gets no atoms"
+        f"{gap.name}: no nucleotide of the strand or beside it has three atoms of its backbone; the"
+        " strand gets no atoms"
     )
 
 

@@ -34,6 +34,7 @@ TETHER_SD_A: Final = 2.0
 """How weakly each atom is held to where the line has carried it."""
 LOOSE_LINE_SD_A: Final = 4.0
 """How near the centroids are held to the line where it stands in the way of sound atoms."""
+PIN_SD_A: Final = 0.1
 FLOOR_A: Final = 2.4
 """Nearer than this no two atoms may be, but for nitrogen or oxygen and a metal."""
 METAL_POLAR_A: Final = 2.05
@@ -55,6 +56,8 @@ class Problem:
     group_of : (g,) array of int
         Nucleotide of each group.
     least_A, floor_A : (n_moving, N + m) array
+    pinned : dict of int to (3,) array
+        Where atoms belong whose place all that is there determines, Å.
     """
 
     site: Site
@@ -71,6 +74,7 @@ class Problem:
     group_of: Index
     least_A: Array
     floor_A: Array
+    pinned: dict[int, Array]
 
     @classmethod
     def at(cls, site: Site) -> Problem:
@@ -101,6 +105,7 @@ class Problem:
             np.array(list(groups), dtype=np.int64),
             least,
             floor,
+            {int(new[row]): at for row, at in _junction_3(site).items()},
         )
 
     def restraints(
@@ -122,6 +127,9 @@ class Problem:
             volume = np.concatenate([volume, size])
             volume_sd = np.concatenate([volume_sd, np.full(len(more), PUCKER_SD_A3)])
         n_moving = len(self.least_A)
+        tether, tether_sd = start[self.order[:n_moving]], np.full(n_moving, TETHER_SD_A)
+        for row, at in self.pinned.items():
+            tether[row], tether_sd[row] = at, PIN_SD_A
         return Restraints(
             n_moving=n_moving,
             pairs=self.pairs,
@@ -135,8 +143,8 @@ class Problem:
             groups=self.groups,
             center_A=centers[self.group_of],
             center_sd=line_sd,
-            tether_A=start[self.order[:n_moving]],
-            tether_sd=TETHER_SD_A,
+            tether_A=tether,
+            tether_sd=tether_sd,
             least_A=self.least_A,
             floor_A=self.floor_A,
         )
@@ -273,25 +281,24 @@ def right_phosphates(site: Site, positions: Array) -> None:
             if site.moving[row]:
                 direction = np.cos(half) * outward + side * np.sin(half) * across
                 positions[row] = p + everywhere("P", "OP1") * direction
-    _right_junction(site, positions)
 
 
-def _right_junction(site: Site, positions: Array) -> None:
-    """Put the last O3', in place, where it belongs if it came to a fixed P from the wrong side.
+def _junction_3(site: Site) -> dict[int, Array]:
+    """Where the last O3' belongs, by row, if the phosphate that it is bonded to is there.
 
-    The oxygens that are there then stand between the two sides, and no small step leads round them.
+    The oxygens that are there stand between the right side of P and the wrong one, and no small
+    step leads round them.
     """
-    rows = site.molecule.rows
-    n = site.molecule.n
-    fixed = [rows.get((n, name), -1) for name in ("P", "OP1", "OP2", "O5'")]
-    o3 = rows.get((n - 1, "O3'"), -1)
-    if -1 in (o3, *fixed) or not site.moving[o3] or site.moving[fixed].any():
-        return
-    p = positions[fixed[0]]
-    bonds = positions[fixed[1:]] - p
-    outward = -(bonds / np.linalg.norm(bonds, axis=1, keepdims=True)).sum(axis=0)
-    if (positions[o3] - p) @ outward < 0.0:
-        positions[o3] = p + everywhere("O3'", "P") * outward / np.linalg.norm(outward)
+    n, known = site.molecule.n, site.molecule.rows
+    rows = [known.get((n, name), -1) for name in ("P", "OP1", "OP2", "O5'")]
+    o3 = known.get((n - 1, "O3'"), -1)
+    if -1 in (o3, *rows) or not site.moving[o3] or site.moving[rows].any():
+        return {}
+    p, *oxygens = site.fixed_A[rows]
+    bonds = np.array(oxygens) - p
+    # opposite to the three others
+    away = -(bonds / np.linalg.norm(bonds, axis=1, keepdims=True)).sum(axis=0)
+    return {o3: p + everywhere("O3'", "P") * away / np.linalg.norm(away)}
 
 
 def _least(site: Site, order: Index) -> tuple[Array, Array]:

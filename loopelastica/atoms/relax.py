@@ -62,8 +62,8 @@ class Stage:
 
     Attributes
     ----------
-    chemistry : float
-        Standard deviations of lengths, angles and volumes over their own.
+    chemistry, hands : float
+        Standard deviations of lengths and angles, and of volumes, over their own.
     overlap_sd, floor_sd : float
         Of atoms nearer than they like to be, and than they may be, Å.
     tolerance : float
@@ -73,6 +73,7 @@ class Stage:
     """
 
     chemistry: float
+    hands: float
     overlap_sd: float
     floor_sd: float
     tolerance: float
@@ -80,10 +81,10 @@ class Stage:
 
 
 STAGES: Final = (
-    Stage(6.0, 1.5, 1.5, 3.0, 150),
-    Stage(3.0, 0.4, 0.4, 3.0, 150),
-    Stage(1.5, 0.15, 0.08, 3.0, 200),
-    Stage(1.0, 0.10, 0.02, 1e-3, 0),
+    Stage(6.0, 2.0, 1.5, 1.5, 3.0, 150),
+    Stage(3.0, 1.0, 0.4, 0.4, 3.0, 150),
+    Stage(1.5, 1.0, 0.15, 0.08, 3.0, 200),
+    Stage(1.0, 1.0, 0.10, 0.02, 1e-3, 0),
 )
 """From loose to strict. A tolerance of 1e-3 leaves atoms within 0.004 Å of the minimum, along what
 nothing but the tether holds."""
@@ -105,8 +106,8 @@ class Restraints:
         Torsions a–b–c–d that like to be staggered (60°, 180°, 300°): residual cos(3φ/2).
     groups, center_A, center_sd : (g, m), (g, 3), float
         Centroids held to points.
-    tether_A, tether_sd : (n_moving, 3), float
-        Places the atoms are held to.
+    tether_A, tether_sd : (n_moving, 3), (n_moving,) array
+        Places the atoms are held to, and how near.
     least_A, floor_A : (n_moving, N) array
         Distance that two atoms like to keep, and that they must; 0 where there is none.
     """
@@ -124,7 +125,7 @@ class Restraints:
     center_A: Array
     center_sd: float
     tether_A: Array
-    tether_sd: float
+    tether_sd: Array
     least_A: Array
     floor_A: Array
 
@@ -139,7 +140,7 @@ class Restraints:
             (loose * self.length_sd) ** -2.0,
             self.quads,
             self.volume,
-            (loose * self.volume_sd) ** -2.0,
+            (stage.hands * self.volume_sd) ** -2.0,
             self.torsions,
             self.torsion_sd**-2.0,
             self.groups,
@@ -227,7 +228,7 @@ def cost(restraints: Restraints, x: Array, stage: Stage = STAGES[-1]) -> dict[st
     a, b, c, d = (x[r.quads[:, column]] for column in range(4))
     volume = ((b - a) * np.cross(c - a, d - a)).sum(axis=1)
     away = (x[r.groups].mean(axis=1) - r.center_A) / r.center_sd
-    tethers = (x[: r.n_moving] - r.tether_A) / r.tether_sd
+    tethers = (x[: r.n_moving] - r.tether_A) / r.tether_sd[:, None]
     return {
         "lengths_and_angles": float(terms.pair_weight @ (apart - r.length_A) ** 2),
         "overlaps": _overlap(x, r.least_A) * terms.least_weight

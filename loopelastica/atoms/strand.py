@@ -1,30 +1,36 @@
-"""Atoms for any strand of a chain: :func:`build_strand`.
+"""Atoms for any strand of a chain, and for a nucleotide that lacks some of its own.
 
-``build_strand(gap, line, atoms, *, contact=None, tries=1, max_steps=5000, max_seconds=60.0)`` gives
+``build_strand(gap, line, atoms, *, contact=None, tries=1, max_steps=5000, max_seconds=30.0)`` gives
 a :class:`StrandModel`. `gap` is a :class:`~loopelastica.molecule.polymer.Gap`, `line` anything with
 ``at(phases) -> points (m, 3), frames (m, 3, 3)`` in the coordinates of the file (phases 1 … n are
 the nucleotides, the curve reaches at least from ½ to n + ½), and `atoms` the
 :class:`~loopelastica.molecule.polymer.HeavyAtoms` of the model. No atom that is there moves.
+:func:`complete_nucleotide` does the same for one nucleotide beside no gap.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import positive, whole
-from loopelastica.atoms.carry import Curve
+from loopelastica.atoms.carry import Curve, IdealCurve
 from loopelastica.atoms.checks import Checks
 from loopelastica.atoms.chemistry import LoopMolecule, Residue
+from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.gap_site import LocalCurve, gap_site, numbered
+from loopelastica.atoms.measures import rigid_fit
 from loopelastica.atoms.relax import Relaxed
 from loopelastica.atoms.search import Limits, best_on
+from loopelastica.atoms.start import FEWEST_FITTED
 from loopelastica.atoms.turn import Turns, check_contact
+from loopelastica.errors import StructureError
 from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
+from loopelastica.molecule.strands import ideal_strand
 
 WATER_A: Final = 2.5
 """Waters nearer than this to a built atom have to go."""
@@ -116,7 +122,7 @@ def build_strand(
     contact: str | None = None,
     tries: int = 1,
     max_steps: int = 5000,
-    max_seconds: float = 60.0,
+    max_seconds: float = 30.0,
 ) -> StrandModel:
     """All atoms that a strand and its flanks lack.
 
@@ -172,6 +178,53 @@ def build_strand(
         _waters(atoms, positions[site.moving]),
         attempts,
     )
+
+
+def complete_nucleotide(
+    monomer: Monomer,
+    atoms: HeavyAtoms,
+    *,
+    before: Monomer | None = None,
+    after: Monomer | None = None,
+    **options: Any,
+) -> StrandModel:
+    """The atoms that one nucleotide lacks, beside no gap.
+
+    Parameters
+    ----------
+    monomer : Monomer
+        With some atoms.
+    atoms : HeavyAtoms
+        Of the whole model.
+    before, after : Monomer, optional
+        Its neighbours in the chain, where they are bonded to it. Without one before it gets no
+        phosphate, unless it has one.
+    **options
+        As for :func:`build_strand`.
+
+    Returns
+    -------
+    StrandModel
+
+    Raises
+    ------
+    StructureError
+        If it has fewer than three atoms of the ideal nucleotide, lacks none, or its base is
+        unknown.
+    """
+    fibre = fibre_nucleotide(monomer.letter, monomer.is_dna) if monomer.letter in "ACGUT" else {}
+    names = [name for name in fibre if np.isfinite(monomer.atoms_A.get(name, np.nan)).all()]
+    if len(names) < FEWEST_FITTED:
+        raise StructureError(
+            f"{monomer.label}: {len(names)} atoms of a known nucleotide; it cannot be completed"
+        )
+    there = np.array([monomer.atoms_A[name] for name in names])
+    curve = IdealCurve(
+        ideal_strand(monomer.is_dna), *rigid_fit(np.array([fibre[name] for name in names]), there)
+    )
+    # a nucleotide at an end of its chain has but one neighbour
+    gap = Gap((monomer,), before, after)  # type: ignore[arg-type]
+    return build_strand(gap, curve, atoms, **options)
 
 
 def _waters(atoms: HeavyAtoms, built: Array) -> NDArray[np.int64]:

@@ -29,7 +29,7 @@ def chain(rng):
         center_A=np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]),
         center_sd=0.5,
         tether_A=positions[:4] + 0.1,
-        tether_sd=3.0,
+        tether_sd=np.full(4, 3.0),
         least_A=least,
         floor_A=np.minimum(least, 4.0),
     )
@@ -112,7 +112,7 @@ def test_atoms_pass_through_one_another_where_overlap_is_cheap_and_not_where_it_
         groups=nothing,
         center_A=np.zeros((0, 3)),
         tether_A=np.array([[3.0, 0.0, 0.0]]),
-        tether_sd=1.0,
+        tether_sd=np.ones(1),
         least_A=np.array([[0.0, 3.0]]),
         floor_A=np.array([[0.0, 2.4]]),
     )

@@ -39,7 +39,7 @@ class Terms(NamedTuple):
     center: np.ndarray  # (g, 3) Å
     line_weight: float  # 1/Å²
     tether: np.ndarray  # (n, 3) Å
-    tether_weight: float  # 1/Å²
+    tether_weight: np.ndarray  # (n,) 1/Å²
     least: np.ndarray  # (n, N) Å, 0 where two atoms may be as near as they like
     floor: np.ndarray  # (n, N) Å
     least_weight: float  # 1/Å²
@@ -84,8 +84,8 @@ def evaluate(x, terms, listed, count, gradient):
     for i in range(terms.tether.shape[0]):
         for c in range(3):
             away = x[i, c] - terms.tether[i, c]
-            energy += 0.5 * terms.tether_weight * away * away
-            gradient[i, c] += terms.tether_weight * away
+            energy += 0.5 * terms.tether_weight[i] * away * away
+            gradient[i, c] += terms.tether_weight[i] * away
     for row in range(count):
         i, j = listed[row, 0], listed[row, 1]
         dx, dy, dz = x[i, 0] - x[j, 0], x[i, 1] - x[j, 1], x[i, 2] - x[j, 2]

@@ -114,6 +114,7 @@ def _summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
         "broken chain": sum(row["chain_worst_A"] > 0.05 for row in built),
         "closest contact (Å)": min((row["closest_A"] for row in built), default=None),
         "bonds within 0.05 Å": share("bonds_within", "bonds"),
+        "angles beyond 10°": sum(row["worst_angle_deg"] > 10.0 for row in built),
         "angles within 6°": share("angles_within", "angles"),
         "median RMSD of the trace (Å)": median([row["trace_rmsd_A"] for row in compared]),
         "median RMSD of the backbone atoms (Å)": median([r["atoms_rmsd_A"] for r in compared]),
