@@ -15,6 +15,8 @@ from loopelastica.rod.kernels.obstacles import SOFTENED
 
 # step of the differences: their error is about 1e-10
 _STEP = 1e-5
+# rad, from where on an arc is stiffer
+_SHARP = 2.0
 # pairs of a node and a point that are looked at together
 _AT_ONCE = 1_000_000
 # points whose distance from the line is computed exactly
@@ -61,8 +63,14 @@ def judge(line: ArcLine, goal: Array, repulsion: Repulsion) -> Verdict:
     residual = max(
         float(np.linalg.norm(nodes[-1] - goal)), float(np.linalg.norm(rest)) / scale_of_all
     )
-    bending = float(np.sum(0.5 * angles**2 / lengths))
+    bending = float(np.sum(_bending(angles) / lengths))
     return Verdict(bending, contact, own, residual)
+
+
+def _bending(angles: Array) -> Array:
+    """Energies of arcs of unit length: ½ θ², and more where they turn further than 2 rad."""
+    past = np.maximum(np.cos(_SHARP) - np.cos(angles), 0.0)
+    return np.asarray(0.5 * angles**2 + past**2 / ((1.0 + np.cos(angles)) * (1.0 + np.cos(_SHARP))))
 
 
 def _strength(square: Array, repulsion: Repulsion) -> tuple[Array, Array]:
@@ -124,7 +132,7 @@ def _slopes(line: ArcLine, lengths: Array, on_chords: Array) -> tuple[Array, Arr
                 middle = start + end
                 middle /= np.linalg.norm(middle, axis=1, keepdims=True)
                 chord = (lengths * np.sinc(0.5 * angle / np.pi))[:, None] * middle
-                bending = 0.5 * angle**2 / lengths
+                bending = _bending(angle) / lengths
                 weight = sign / (2.0 * _STEP)
                 gradient[at, side] += weight * (bending + np.einsum("ki,ki->k", on_chords, chord))
                 sides[at, side] += weight * chord

@@ -42,6 +42,9 @@ TOLERANCE = 1e-8
 
 # 1 − |r| below which the rod is straight; tangents that then are along the chord
 _STRAIGHT, _ALONG = 1e-9, 1e-6
+# k c³ above which a search begins with softer obstacles, in K0/L and 1/L (a bent rod has energies
+# of ten or so); how much harder they become each time; tolerance on the way
+_SOFT, _HARDER, _ROUGH = 300.0, 30.0, 1e-4
 # bows of a guess from which nothing is found as it stands
 _BOWS = (0.0, 0.4, -0.9)
 # arcs that may be asked for
@@ -296,15 +299,27 @@ class _Search(NamedTuple):
     def minimize(self, curve: Array) -> tuple[Status, float, Array, bool]:
         """Status, energy, tangents and whether it is a minimum, from points along a curve."""
         guess = node_tangents(curve, self.s, self.span)
+        rod, chord, stages = new_rod(self.s), self.span.chord, self._stages()
         for angle in _BOWS:
-            rod = new_rod(self.s)
             rod.tangents[:] = bowed(guess, angle) if angle else guess
-            status, bending, contact, stable = minimize_arcs(
-                rod, self.room, self.span.chord, self.grid, 0.1 * self.tolerance, self.patience
-            )
+            for stiffness in stages:
+                last = stiffness == stages[-1]
+                grid = self.grid._replace(stiffness=stiffness)
+                tolerance = 0.1 * self.tolerance if last else _ROUGH
+                status, bending, contact, stable = minimize_arcs(
+                    rod, self.room, chord, grid, tolerance, self.patience
+                )
             if status == Status.CONVERGED:
                 break
         return Status(status), bending + contact, rod.tangents, bool(stable)
+
+    def _stages(self) -> list[float]:
+        """Stiffnesses up to the given one: a hard wall is approached through softer ones."""
+        soft = _SOFT / self.repulsion.cutoff**3
+        stages = [self.repulsion.stiffness]
+        while stages[0] > soft:
+            stages.insert(0, stages[0] / _HARDER)
+        return stages
 
     def rod(self, tangents: Array, guess: int, stable: bool) -> SurroundedRod:
         """What the tangents amount to, with the status of a check."""
