@@ -60,9 +60,8 @@ def judge(line: ArcLine, goal: Array, repulsion: Repulsion) -> Verdict:
     # what is left when the best force at the end is taken off
     rest = gradient.ravel() - flat @ np.linalg.lstsq(flat, gradient.ravel(), rcond=None)[0]
     scale_of_all = 1.0 + np.linalg.norm(gradient) + effort + own_effort
-    residual = max(
-        float(np.linalg.norm(nodes[-1] - goal)), float(np.linalg.norm(rest)) / scale_of_all
-    )
+    miss = float(np.linalg.norm(nodes[-1] - goal))
+    residual = max(miss, float(np.linalg.norm(rest)) / float(scale_of_all))
     bending = float(np.sum(_bending(angles) / lengths))
     return Verdict(bending, contact, own, residual)
 
@@ -126,7 +125,10 @@ def _slopes(line: ArcLine, lengths: Array, on_chords: Array) -> tuple[Array, Arr
         for sign in (1.0, -1.0):
             moved = u + sign * _STEP * across[:, side]
             moved /= np.linalg.norm(moved, axis=1, keepdims=True)
-            for start, end, at in ((moved[:-1], u[1:], slice(None, -1)), (u[:-1], moved[1:], slice(1, None))):
+            for start, end, at in (
+                (moved[:-1], u[1:], slice(None, -1)),
+                (u[:-1], moved[1:], slice(1, None)),
+            ):
                 angle = 2.0 * np.arcsin(np.minimum(0.5 * np.linalg.norm(end - start, axis=1), 1.0))
                 # a chord: 2 sin(θ/2) over the curvature, halfway between both tangents
                 middle = start + end

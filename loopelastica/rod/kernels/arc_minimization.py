@@ -2,10 +2,10 @@
 
 The only constraint is where the rod ends: three equations, r_n = r. Every iterate fulfils them.
 
-1. Newton's method in the space of steps that keep the end in place to first order. Three Householder
-   reflections split it off; the multiplier λ, the force at the end, follows from them too. There
-   the Hessian of E − λ·r_n, of order 2n − 5, is exact; where it is not positive definite, σ 1 is
-   added. It is dense since places are integrals of tangents.
+1. Newton's method in the space of steps that keep the end in place to first order. Three
+   reflections of Householder split it off; the multiplier λ, the force at the end, follows from
+   them too. There the Hessian of E − λ·r_n, of order 2n − 5, is exact; where it is not positive
+   definite, σ 1 is added. It is dense since places are integrals of tangents.
 2. A line search on the energy. Each trial is brought back to r_n = r by the shortest way (`close`).
 3. Where the gradient is small, the Hessian's factors LDLᵀ tell a minimum from a saddle. A saddle is
    left along a direction of negative curvature.
@@ -103,20 +103,18 @@ def new_room(s: Array) -> Room:
     """Scratch for rods with nodes at the arc lengths ``s`` (n + 1,)."""
     n = len(s) - 1
     m = 2 * n - 2
-    slopes = [Slopes(*np.zeros((3, n + 1, 3, 2)), np.zeros(m)) for _ in range(2)]
-    constraints = [Constraint(np.zeros((3, m)), np.zeros(3), np.zeros((3, 3))) for _ in range(2)]
-    return Room(
-        new_rod(s),
-        new_rod(s),
-        *slopes,
-        *constraints,
-        np.zeros((n + 1, 3)),
-        np.zeros((n + 1, 3, 3)),
-        np.zeros((n, 3)),
-        np.zeros((n + 1, 3, 2)),
-        *np.zeros((3, m)),
-        *np.zeros((2, m, m)),
+    nodes, coordinates, square = (n + 1, 3, 2), np.zeros((3, m)), np.zeros((2, m, m))
+    slopes, closing = (
+        Slopes(np.zeros(nodes), np.zeros(nodes), np.zeros(nodes), np.zeros(m)) for _ in range(2)
     )
+    constraint, closing_constraint = (
+        Constraint(np.zeros((3, m)), np.zeros(3), np.zeros((3, 3))) for _ in range(2)
+    )
+    return Room(
+        new_rod(s), new_rod(s), slopes, closing, constraint, closing_constraint,
+        np.zeros((n + 1, 3)), np.zeros((n + 1, 3, 3)), np.zeros((n, 3)), np.zeros(nodes),
+        coordinates[0], coordinates[1], coordinates[2], square[0], square[1],
+    )  # fmt: skip
 
 
 @kernel
@@ -351,7 +349,7 @@ def _assemble(rod, slopes, constraint, blocks, chords, obstacles, moved, w, hess
 def _factor(hessian, shift, a):
     """LDLᵀ of the Hessian + ``shift`` along the constraint, up to its first pivot not positive.
 
-    Row i of ``a`` (m, m) holds D_i Lᵀ_i from the diagonal on. Returns that pivot, m if there is none.
+    Row i of ``a`` (m, m) holds D_i Lᵀ_i from the diagonal on. Returns that pivot, or m.
     """
     m = a.shape[0]
     for i in range(3, m):

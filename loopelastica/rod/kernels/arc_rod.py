@@ -1,8 +1,9 @@
 """The rod of circular arcs: its energy, and exact derivatives in its tangents.
 
-n arcs of lengths l_k lie between unit tangents u_k and u_k+1; u_0 and u_n are the clamps, the others
-are free. Neighbours share a tangent, so the curve is smooth and its arc length exact, and it ends
-where the sum of its chords does. With z = 1 − u·v = 1 − cos θ for the two tangents u, v of an arc
+n arcs of lengths l_k lie between unit tangents u_k and u_k+1; u_0 and u_n are the clamps, the
+others are free. Neighbours share a tangent, so the curve is smooth and its arc length exact, and
+it ends where the sum of its chords does. With z = 1 − u·v = 1 − cos θ for the two tangents u, v of
+an arc
 
     S = θ/sin θ = Σ k! zᵏ/(2k + 1)!!,   ψ = tan(θ/2)/θ = 1/(S (2 − z))
     bending energy  θ²/2l, dE/dz = S/l (a little more beyond 2 rad);   chord  d = l ψ (u + v)
@@ -15,8 +16,8 @@ B = S′/l + l ψ″ γ, the derivatives of θ²/2l + G·d are
     in u, v         B v uᵀ − A 1 − l ψ′ (v Gᵀ + G uᵀ)
 
 and the same with u and v exchanged. On the sphere a Hessian loses u·∇ on its diagonal. Tangent k
-moves by u + E x with two coordinates x; the columns of E are orthonormal over √h_k, h_k half of both
-neighbouring arcs, so that |x|² is an integral over the rod and meshes do not matter.
+moves by u + E x with two coordinates x; the columns of E are orthonormal over √h_k, h_k half of
+both neighbouring arcs, so that |x|² is an integral over the rod and meshes do not matter.
 """
 
 import math
@@ -206,7 +207,9 @@ def add_arcs(rod, forces, basis, hessian):
                     for i in range(3):
                         dot += basis[k, i, p] * basis[k + 1, i, q]
                     hessian[at + p, at + 2 + q] += (
-                        b * v[0, p] * v[1, q] - a * dot - c * (v[0, p] * g[1, q] + g[0, p] * v[1, q])
+                        b * v[0, p] * v[1, q]
+                        - a * dot
+                        - c * (v[0, p] * g[1, q] + g[0, p] * v[1, q])
                     )
 
 

@@ -51,10 +51,8 @@ def strength(square, cutoff):
 
 @kernel
 def cells_about(obstacles, x, axis):
-    """The first cell along an axis that may hold a point near the coordinate ``x``, and the last
-    one's next.
-    """
-    at = int(math.floor((x - obstacles.corner[axis]) / obstacles.cell))
+    """Range of cells along an axis that may hold a point near the coordinate ``x``."""
+    at = math.floor((x - obstacles.corner[axis]) / obstacles.cell)
     high = at + 2 if at + 2 < obstacles.shape[axis] else obstacles.shape[axis]
     return at - 1 if at > 1 else 0, high
 
