@@ -15,6 +15,8 @@ from loopelastica.rod.kernels.obstacles import SOFTENED
 
 # step of the differences: their error is about 1e-10
 _STEP = 1e-5
+# rad, from where on an arc is stiffer
+_SHARP = 2.0
 # pairs of a node and a point that are looked at together
 _AT_ONCE = 1_000_000
 # points whose distance from the line is computed exactly
@@ -58,11 +60,16 @@ def judge(line: ArcLine, goal: Array, repulsion: Repulsion) -> Verdict:
     # what is left when the best force at the end is taken off
     rest = gradient.ravel() - flat @ np.linalg.lstsq(flat, gradient.ravel(), rcond=None)[0]
     scale_of_all = 1.0 + np.linalg.norm(gradient) + effort + own_effort
-    residual = max(
-        float(np.linalg.norm(nodes[-1] - goal)), float(np.linalg.norm(rest)) / scale_of_all
-    )
-    bending = float(np.sum(0.5 * angles**2 / lengths))
+    miss = float(np.linalg.norm(nodes[-1] - goal))
+    residual = max(miss, float(np.linalg.norm(rest)) / float(scale_of_all))
+    bending = float(np.sum(_bending(angles) / lengths))
     return Verdict(bending, contact, own, residual)
+
+
+def _bending(angles: Array) -> Array:
+    """Energies of arcs of unit length: ½ θ², and more where they turn further than 2 rad."""
+    past = np.maximum(np.cos(_SHARP) - np.cos(angles), 0.0)
+    return np.asarray(0.5 * angles**2 + past**2 / ((1.0 + np.cos(angles)) * (1.0 + np.cos(_SHARP))))
 
 
 def _strength(square: Array, repulsion: Repulsion) -> tuple[Array, Array]:
@@ -118,13 +125,16 @@ def _slopes(line: ArcLine, lengths: Array, on_chords: Array) -> tuple[Array, Arr
         for sign in (1.0, -1.0):
             moved = u + sign * _STEP * across[:, side]
             moved /= np.linalg.norm(moved, axis=1, keepdims=True)
-            for start, end, at in ((moved[:-1], u[1:], slice(None, -1)), (u[:-1], moved[1:], slice(1, None))):
+            for start, end, at in (
+                (moved[:-1], u[1:], slice(None, -1)),
+                (u[:-1], moved[1:], slice(1, None)),
+            ):
                 angle = 2.0 * np.arcsin(np.minimum(0.5 * np.linalg.norm(end - start, axis=1), 1.0))
                 # a chord: 2 sin(θ/2) over the curvature, halfway between both tangents
                 middle = start + end
                 middle /= np.linalg.norm(middle, axis=1, keepdims=True)
                 chord = (lengths * np.sinc(0.5 * angle / np.pi))[:, None] * middle
-                bending = 0.5 * angle**2 / lengths
+                bending = _bending(angle) / lengths
                 weight = sign / (2.0 * _STEP)
                 gradient[at, side] += weight * (bending + np.einsum("ki,ki->k", on_chords, chord))
                 sides[at, side] += weight * chord

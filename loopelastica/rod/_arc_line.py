@@ -7,6 +7,7 @@ tangents, have chords by another formula.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 
@@ -38,7 +39,7 @@ class ArcLine(NamedTuple):
         size = np.linalg.norm(inward, axis=1, keepdims=True)
         return np.asarray(np.divide(inward, size, out=np.zeros_like(inward), where=size > 1e-15))
 
-    def _arcs(self, s: Array) -> tuple[Array, Array, Array]:
+    def _arcs(self, s: Array) -> tuple[NDArray[np.intp], Array, Array]:
         """The arc (m,) that each arc length lies on, how far along it and the angle there."""
         arc = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
         along = s - self.s[arc]
@@ -79,12 +80,12 @@ class ArcLine(NamedTuple):
 
 
 def _sinc(angle: Array) -> Array:
-    """Sin φ/φ."""
+    """Sine of φ over φ."""
     return np.asarray(np.sinc(angle / np.pi))
 
 
 def _rise(angle: Array) -> Array:
-    """(1 − cos φ)/φ."""
+    """1 − cos φ over φ."""
     return np.asarray(np.sin(0.5 * angle) * np.sinc(0.5 * angle / np.pi))
 
 

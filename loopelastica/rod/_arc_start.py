@@ -114,7 +114,5 @@ def grid_of(chord: Array, repulsion: Repulsion) -> Obstacles:
         cutoff,
         repulsion.stiffness,
         repulsion.density,
-        np.zeros(3, np.int64),
-        np.zeros(3, np.int64),
         repulsion.apart,
     )

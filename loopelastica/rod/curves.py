@@ -119,7 +119,7 @@ def equal_length_hermite(
     --------
     >>> points = equal_length_hermite([0, 0, 0], [0, 0, 1], [10, 0, 0], [0, 0, -1], 16.0)
     >>> print(points[32].round(2), round(np.linalg.norm(np.diff(points, axis=0), axis=1).sum(), 2))
-    [5.   0.   5.25] 16.0
+    [5.   0.   5.09] 16.0
     """
     span = check_span(start, start_tangent, end, end_tangent, length)
     n = whole(2)("n", n)

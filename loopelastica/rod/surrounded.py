@@ -5,13 +5,13 @@ An ideal rod whose end may spin has no twist energy, so that a line describes it
     ½ ∫ κ² ds + ½ k ∫ Σ_points (c − d)²₊ ds + ½ k ρ ∬ (c − d)²₊ ds ds′
 
 with K0 = 1, d the distance of a point from the line, c the cutoff, k the stiffness. The last term
-is between parts of the rod that are more than 2 c apart along it, half as strong as it is to be up
-to 4 c; ρ counts the rod as so many points per length. Without obstacles, and where the rod does not
+is between parts of the rod that are more than 2 c apart along it, growing to its strength up to
+4 c; ρ counts the rod as so many points per length. Without obstacles, and where the rod does not
 come near itself, it is the ideal rod.
 
-The line is made of circular arcs (:mod:`.kernels.arc_rod`): its error falls with the square of their
-length, and where the rod is nearly stretched, arcs become shorter towards its ends. Each guess leads
-to one minimum or none (:mod:`.kernels.arc_minimization`); each minimum is judged by energies and
+The line is made of circular arcs (:mod:`.kernels.arc_rod`): its error falls with the square of
+their length, and where the rod is nearly stretched, arcs become shorter towards its ends. Each
+guess leads to one minimum or none (:mod:`.kernels.arc_minimization`); each minimum is judged by
 forces that are computed another way (:mod:`._arc_check`).
 """
 
@@ -42,6 +42,9 @@ TOLERANCE = 1e-8
 
 # 1 − |r| below which the rod is straight; tangents that then are along the chord
 _STRAIGHT, _ALONG = 1e-9, 1e-6
+# k c³ above which a search begins with softer obstacles, in K0/L and 1/L (a bent rod has energies
+# of ten or so); how much harder they become each time; tolerance on the way
+_SOFT, _HARDER, _ROUGH, _STAGES = 300.0, 30.0, 1e-4, 16
 # bows of a guess from which nothing is found as it stands
 _BOWS = (0.0, 0.4, -0.9)
 # arcs that may be asked for
@@ -145,9 +148,7 @@ class SurroundedRod(Record):
 
     def frames(self, n: int | ArrayLike) -> Array:
         """Frames without twist in the start frame, shape (n, 3, 3), columns d1 d2 d3."""
-        return np.asarray(
-            self.start_frame.T @ self._line.frames(arc_lengths(n), self.start_frame)
-        )
+        return np.asarray(self.start_frame.T @ self._line.frames(arc_lengths(n), self.start_frame))
 
     def points(self, n: int | ArrayLike) -> Array:
         """Points of the line where the span is, in its unit, shape (n, 3)."""
@@ -232,11 +233,10 @@ def surrounded_rods(
     >>> rods = surrounded_rods([0, 0, 0], [0, 0, 1], [10, 0, 0], [0, 0, -1], 24.0, wall)
     >>> free = surrounded_rods([0, 0, 0], [0, 0, 1], [10, 0, 0], [0, 0, -1], 24.0)
     >>> print(rods[0].converged, rods[0].nearest > 3, round(free[0].energy, 2))
-    True True 0
+    True True 6.91
     """
     span = check_span(start, start_tangent, end, end_tangent, length)
     points = _obstacles(obstacles)
-    frame = _start_frame(span.start_tangent, start_frame)
     cutoff = positive("cutoff", cutoff) / span.length
     repulsion = Repulsion(
         (points - span.start) / span.length,
@@ -296,15 +296,28 @@ class _Search(NamedTuple):
     def minimize(self, curve: Array) -> tuple[Status, float, Array, bool]:
         """Status, energy, tangents and whether it is a minimum, from points along a curve."""
         guess = node_tangents(curve, self.s, self.span)
+        rod, chord, stages = new_rod(self.s), self.span.chord, self._stages()
         for angle in _BOWS:
-            rod = new_rod(self.s)
             rod.tangents[:] = bowed(guess, angle) if angle else guess
-            status, bending, contact, stable = minimize_arcs(
-                rod, self.room, self.span.chord, self.grid, 0.1 * self.tolerance, self.patience
-            )
+            for stiffness in stages:
+                last = stiffness == stages[-1]
+                grid = self.grid._replace(stiffness=stiffness)
+                tolerance = 0.1 * self.tolerance if last else _ROUGH
+                status, bending, contact, stable = minimize_arcs(
+                    rod, self.room, chord, grid, tolerance, self.patience
+                )
             if status == Status.CONVERGED:
                 break
         return Status(status), bending + contact, rod.tangents, bool(stable)
+
+    def _stages(self) -> list[float]:
+        """Stiffnesses up to the given one: a hard wall is approached through softer ones."""
+        stages: list[float] = []
+        stiffness = _SOFT / self.repulsion.cutoff**3
+        while stiffness < self.repulsion.stiffness and len(stages) < _STAGES:
+            stages.append(stiffness)
+            stiffness *= _HARDER
+        return [*stages, self.repulsion.stiffness]
 
     def rod(self, tangents: Array, guess: int, stable: bool) -> SurroundedRod:
         """What the tangents amount to, with the status of a check."""
@@ -327,7 +340,9 @@ class _Search(NamedTuple):
         tangents = np.tile(chord, (len(self.s), 1))
         verdict = judge(ArcLine(self.s, tangents), self.span.chord, self.repulsion)
         # it cannot give way: no force on it needs a balance
-        return self._record(tangents, verdict._replace(residual=_STRAIGHT), Status.CONVERGED, True, 0)
+        return self._record(
+            tangents, verdict._replace(residual=_STRAIGHT), Status.CONVERGED, True, 0
+        )
 
     def failed(self, status: Status, curve: Array) -> SurroundedRod:
         """The record of a search that has found nothing; its line is the first guess."""

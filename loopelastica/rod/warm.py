@@ -18,6 +18,7 @@ from loopelastica.rod.kernels.code_store import shipped_folder, try_writing, use
 from loopelastica.rod.kernels.portable import portable_environment
 from loopelastica.rod.solve import solve
 from loopelastica.rod.stability import assess, conjugate_points
+from loopelastica.rod.surrounded import surrounded_rods
 
 # a slack rod, one in boundary layers, one whose layers reach each other, and one in line
 _SLACK = (-0.4, -0.1, 0.5, 4.8, 1.4, 2.2)
@@ -35,6 +36,7 @@ def compile_solver() -> None:
             assess(rod)
             conjugate_points(rod)
             rod.centerline(3)
+    surrounded_rods((0, 0, 0), (0, 0, 1), (1, 0, 0), (0, 0, -1), 2.5, segments=8)
 
 
 def compile_paths() -> None:

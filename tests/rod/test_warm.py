@@ -37,6 +37,10 @@ with event.install_recorder("numba:compile") as compiled:
         le.continue_clamping(rod, near)
         if not k % 2:
             le.twist_end(rod, 0.05)
+    from loopelastica.rod.surrounded import surrounded_rods
+    for obstacles in (None, places[:0], places):
+        ends = (0, 0, 0), (0, 0, 1), (0.4, 0, 0), frames[0][:, 2]
+        surrounded_rods(*ends, 1, obstacles, cutoff=0.3, stiffness=1, max_iterations=3)
     aligned = le.solve(le.Clamping([0, 0, 0.5], np.eye(3)))
     le.continue_clamping(aligned, le.Clamping([0, 0.1, 0.5], np.eye(3)))
 print(*sorted({e.data["dispatcher"].py_func.__name__ for _, e in compiled.buffer}))

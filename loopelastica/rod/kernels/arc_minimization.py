@@ -2,10 +2,10 @@
 
 The only constraint is where the rod ends: three equations, r_n = r. Every iterate fulfils them.
 
-1. Newton's method in the space of steps that keep the end in place to first order. Three Householder
-   reflections split it off; the multiplier λ, the force at the end, follows from them too. There
-   the Hessian of E − λ·r_n, of order 2n − 5, is exact; where it is not positive definite, σ 1 is
-   added. It is dense since places are integrals of tangents.
+1. Newton's method in the space of steps that keep the end in place to first order. Three
+   reflections of Householder split it off; the multiplier λ, the force at the end, follows from
+   them too. There the Hessian of E − λ·r_n, of order 2n − 5, is exact; where it is not positive
+   definite, σ 1 is added. It is dense since places are integrals of tangents.
 2. A line search on the energy. Each trial is brought back to r_n = r by the shortest way (`close`).
 3. Where the gradient is small, the Hessian's factors LDLᵀ tell a minimum from a saddle. A saddle is
    left along a direction of negative curvature.
@@ -52,6 +52,8 @@ _FLAT = 1e-3
 _LEAVE, _SADDLES = 0.2, 6
 # trials along one step; shifts of one Hessian
 _TRIALS, _SHIFTS = 14, 60
+# by how much the gradient may miss the tolerance where rounding allows no better
+_ENOUGH = 10.0
 
 
 class Constraint(NamedTuple):
@@ -81,7 +83,7 @@ class Room(NamedTuple):
     """(n + 1, 3, 3): second derivatives by one place each."""
     chords: Array
     """(n, 3): forces on the chords."""
-    gap_slopes: Array
+    moved: Array
     """(n + 1, 3, 2)."""
     gradient: Array
     """(m,), as ``step`` and ``other``."""
@@ -101,20 +103,18 @@ def new_room(s: Array) -> Room:
     """Scratch for rods with nodes at the arc lengths ``s`` (n + 1,)."""
     n = len(s) - 1
     m = 2 * n - 2
-    slopes = [Slopes(*np.zeros((3, n + 1, 3, 2)), np.zeros(m)) for _ in range(2)]
-    constraints = [Constraint(np.zeros((3, m)), np.zeros(3), np.zeros((3, 3))) for _ in range(2)]
-    return Room(
-        new_rod(s),
-        new_rod(s),
-        *slopes,
-        *constraints,
-        np.zeros((n + 1, 3)),
-        np.zeros((n + 1, 3, 3)),
-        np.zeros((n, 3)),
-        np.zeros((n + 1, 3, 2)),
-        *np.zeros((3, m)),
-        *np.zeros((2, m, m)),
+    nodes, coordinates, square = (n + 1, 3, 2), np.zeros((3, m)), np.zeros((2, m, m))
+    slopes, closing = (
+        Slopes(np.zeros(nodes), np.zeros(nodes), np.zeros(nodes), np.zeros(m)) for _ in range(2)
     )
+    constraint, closing_constraint = (
+        Constraint(np.zeros((3, m)), np.zeros(3), np.zeros((3, 3))) for _ in range(2)
+    )
+    return Room(
+        new_rod(s), new_rod(s), slopes, closing, constraint, closing_constraint,
+        np.zeros((n + 1, 3)), np.zeros((n + 1, 3, 3)), np.zeros((n, 3)), np.zeros(nodes),
+        coordinates[0], coordinates[1], coordinates[2], square[0], square[1],
+    )  # fmt: skip
 
 
 @kernel
@@ -157,13 +157,13 @@ def _reflect(constraint, i, x):
 
 
 @kernel
-def close(rod, goal, room, patience):
+def close(rod, closer, slopes, constraint, x, goal, patience):
     """Bring the rod's end to ``goal`` (3,) by the shortest way, all its tangents turning.
 
-    Returns whether it is there, and the bending energy.
+    ``closer``, ``slopes``, ``constraint`` and ``x`` (m,) are scratch. Returns whether it is there,
+    and the bending energy.
     """
-    closer, slopes, x = room.closer, room.closing, room.other
-    constraint, upper = room.closing_constraint, room.closing_constraint.upper
+    upper = constraint.upper
     miss, energy, t, tries = math.inf, math.inf, 1.0, 0
     copy_rows(rod.tangents, closer.tangents)
     for _ in range(patience):
@@ -201,13 +201,13 @@ def close(rod, goal, room, patience):
 
 
 @kernel
-def _project(room, rod, effort):
-    """The gradient, split by the reflections, and the forces on the chords, −λ among them.
+def _project(rod, slopes, constraint, forces, effort, chords, gradient):
+    """The ``gradient`` (m,), split by the reflections, and the forces on the ``chords`` (n, 3).
 
-    Returns the gradient's size along the constraint, relative to all forces at work.
+    The first three of the gradient become λ, −λ is among the forces. Returns the gradient's size
+    along the constraint, relative to all forces at work.
     """
-    slopes, forces, chords, gradient = room.slopes, room.forces, room.chords, room.gradient
-    n, upper = rod.s.shape[0] - 1, room.constraint.upper
+    n, upper = rod.s.shape[0] - 1, constraint.upper
     find_slopes(rod, slopes)
     for i in range(3):
         # the end's place is given: the force on it is no concern of the rod's
@@ -222,10 +222,10 @@ def _project(room, rod, effort):
                 )
         for i in range(3):
             chords[k - 1, i] = chords[k, i] + forces[k, i]
-    _constrain(slopes, room.constraint)
+    _constrain(slopes, constraint)
     size, along = 0.0, 0.0
     for i in range(3):
-        _reflect(room.constraint, i, gradient)
+        _reflect(constraint, i, gradient)
     for q in range(gradient.shape[0]):
         size += gradient[q] ** 2
         if q > 2:
@@ -243,10 +243,15 @@ def _project(room, rod, effort):
 
 
 @kernel
-def _add_places(room, rod, obstacles):
-    """Add to the upper triangle of the Hessian what is due to the places of nodes."""
-    own, after, hessian, blocks = room.slopes.own, room.slopes.after, room.hessian, room.blocks
-    n, total, column = rod.s.shape[0] - 1, np.zeros((3, 3)), room.gap_slopes
+def _add_places(own, after, blocks, total, column, hessian):
+    """Add to the upper triangle of the Hessian what is due to the places of nodes.
+
+    ``total`` (3, 3) and ``column`` (2, 3, 2) are scratch.
+    """
+    n = own.shape[0] - 1
+    for i in range(3):
+        for k in range(3):
+            total[i, k] = 0.0
     for j in range(n - 1, 0, -1):
         # the place j moves by ``own``, all after it by ``after``
         for side in range(2):
@@ -273,11 +278,12 @@ def _add_block(hessian, rows, i, column, j):
 
 
 @kernel
-def _add_pairs(room, rod, obstacles):
-    """Add what is due to the repulsion between pairs of nodes."""
-    own, after, nodes, moved = room.slopes.own, room.slopes.after, rod.points, room.gap_slopes
-    n = rod.s.shape[0] - 1
-    column = room.slopes.basis[0]
+def _add_pairs(rod, own, after, obstacles, moved, column, hessian):
+    """Add what is due to the repulsion between pairs of nodes.
+
+    ``moved`` (n + 1, 3, 2) and ``column`` (3, 2) are scratch.
+    """
+    nodes, n = rod.points, rod.s.shape[0] - 1
     for k in range(n):
         for m in range(k + 2, n + 1):
             _, p, q = repel_pair(obstacles, rod, k, m)
@@ -297,21 +303,25 @@ def _add_pairs(room, rod, obstacles):
                         gap = nodes[m, i] - nodes[k, i]
                         column[i, side] = p * moved[j, i, side] + q * dot * gap
                 for i in range(k if k > 0 else 1, j + 1):
-                    _add_block(room.hessian, moved, i, column, j)
+                    _add_block(hessian, moved, i, column, j)
 
 
 @kernel
-def _assemble(room, rod, obstacles):
-    """The Hessian of E − λ·r_n, split by the reflections; the largest entry of its diagonal."""
-    hessian, w = room.hessian, room.other
+def _assemble(rod, slopes, constraint, blocks, chords, obstacles, moved, w, hessian):
+    """The ``hessian`` (m, m) of E − λ·r_n, split by the reflections; its largest diagonal entry.
+
+    ``moved`` (n + 1, 3, 2) and ``w`` (m,) are scratch.
+    """
+    own, after = slopes.own, slopes.after
     m, largest = hessian.shape[0], 0.0
     for i in range(m):
         for j in range(m):
             hessian[i, j] = 0.0
-    add_arcs(rod, room.chords, room.slopes.basis, hessian)
-    _add_places(room, rod, obstacles)
+    add_arcs(rod, chords, slopes.basis, hessian)
+    _add_places(own, after, blocks, constraint.upper, moved, hessian)
     if obstacles.density > 0.0:
-        _add_pairs(room, rod, obstacles)
+        # row 0 belongs to a clamp: room for a column
+        _add_pairs(rod, own, after, obstacles, moved, own[0], hessian)
     for i in range(m):
         for j in range(i):
             hessian[i, j] = hessian[j, i]
@@ -319,7 +329,7 @@ def _assemble(room, rod, obstacles):
             largest = hessian[i, i] ** 2
     for r in range(3):
         # (1 − β v vᵀ) H (1 − β v vᵀ) = H − v wᵀ − w vᵀ
-        v, beta, dot = room.constraint.vectors[r], room.constraint.size[r], 0.0
+        v, beta, dot = constraint.vectors[r], constraint.size[r], 0.0
         for i in range(m):
             w[i] = 0.0
         for j in range(m):
@@ -336,12 +346,11 @@ def _assemble(room, rod, obstacles):
 
 
 @kernel
-def _factor(room, shift):
+def _factor(hessian, shift, a):
     """LDLᵀ of the Hessian + ``shift`` along the constraint, up to its first pivot not positive.
 
-    Row i of ``factors`` holds D_i Lᵀ_i from the diagonal on. Returns that pivot, m if there is none.
+    Row i of ``a`` (m, m) holds D_i Lᵀ_i from the diagonal on. Returns that pivot, or m.
     """
-    a, hessian = room.factors, room.hessian
     m = a.shape[0]
     for i in range(3, m):
         for j in range(i, m):
@@ -358,16 +367,16 @@ def _factor(room, shift):
 
 
 @kernel
-def _solve(room, pivot):
-    """Fill ``step`` after `_factor` came to ``pivot``; the energy's slope along it.
+def _solve(a, pivot, gradient, x):
+    """Fill the step ``x`` (m,) after `_factor` came to ``pivot``; the energy's slope along it.
 
     Newton's step if all pivots were positive, otherwise a direction of negative curvature and 0.
     """
-    a, x, m, slope = room.factors, room.step, room.step.shape[0], 0.0
+    m, slope = x.shape[0], 0.0
     for i in range(m):
         x[i] = 0.0
         if i > 2 and pivot == m:
-            x[i] = -room.gradient[i]
+            x[i] = -gradient[i]
     if pivot < m:
         x[pivot] = a[pivot, pivot] = 1.0
     for i in range(3, pivot):
@@ -378,7 +387,7 @@ def _solve(room, pivot):
         for j in range(i + 1, last + 1):
             x[i] -= x[j] * a[i, j]
         x[i] /= a[i, i]
-        slope += x[i] * room.gradient[i]
+        slope += x[i] * gradient[i]
     return slope if pivot == m else 0.0
 
 
@@ -389,22 +398,30 @@ def minimize_arcs(rod, room, goal, obstacles, tolerance, iterations):
     ``goal`` (3,) is its end. Returns a status, the energies of bending and of repulsion, and
     whether it is a minimum. A rod that did not converge is that of the last step.
     """
-    trial, step, m = room.trial, room.step, room.step.shape[0]
+    trial, slopes, constraint, forces = room.trial, room.slopes, room.constraint, room.forces
+    blocks, chords, gradient, step = room.blocks, room.chords, room.gradient, room.step
+    other, hessian, factors, m = room.other, room.hessian, room.factors, room.step.shape[0]
     bending, contact, energy, slope, t = math.inf, math.inf, math.inf, 0.0, 1.0
     shift, largest, size, saddles, blind, tries, steps = 0.0, 0.0, math.inf, 0, 0, 0, 0
     copy_rows(rod.tangents, trial.tangents)
+    status = CONVERGED
     for _ in range(_TRIALS * iterations):
-        closed, bent = close(trial, goal, room, _FIRST if steps == 0 else _PATIENCE)
-        pushed, effort = repel(obstacles, trial, room.forces, room.blocks)
+        closed, bent = close(
+            trial, room.closer, room.closing, room.closing_constraint, other, goal,
+            _FIRST if steps == 0 else _PATIENCE,
+        )  # fmt: skip
+        pushed, effort = repel(obstacles, trial, forces, blocks)
         # near a minimum the gain is below rounding: the step is taken for what it is
         hasty = 0.0 < -slope < _ROUNDING * energy
-        gained = bent + pushed <= energy + _GAIN * t * slope - (_ROUNDING * energy if not slope else 0.0)
-        if closed and (hasty or steps == 0 or gained):
+        least = _GAIN * t * slope if slope != 0.0 else -_ROUNDING * energy
+        if closed and (hasty or steps == 0 or bent + pushed <= energy + least):
             copy_rows(trial.tangents, rod.tangents)
             copy_rows(trial.points, rod.points)
             bending, contact, energy = bent, pushed, bent + pushed
-            size = _project(room, rod, effort)
-            largest = _assemble(room, rod, obstacles)
+            size = _project(rod, slopes, constraint, forces, effort, chords, gradient)
+            largest = _assemble(
+                rod, slopes, constraint, blocks, chords, obstacles, room.moved, other, hessian
+            )
             blind = blind + 1 if hasty else 0
             # a whole step speaks for the Hessian as it is
             shift = (0.1 if tries == 0 else 0.5) * shift
@@ -412,39 +429,38 @@ def minimize_arcs(rod, room, goal, obstacles, tolerance, iterations):
                 shift = 0.0
             tries, steps = 0, steps + 1
             if steps > iterations:
-                return TOO_MANY_ITERATIONS, bending, contact, False
+                status = TOO_MANY_ITERATIONS
             if blind > _BLIND or not (energy < math.inf and largest < math.inf):
-                break
+                status = STALLED
         else:
-            if steps == 0:
-                break
             tries += 1
             # a saddle is left on either side
             t = -t if slope == 0.0 and tries % 2 == 1 else 0.5 * t
-        if tries == 0 or tries == _TRIALS:
-            flat = size <= tolerance
-            if tries > 0:
-                if flat:
-                    return CONVERGED, bending, contact, False
-                shift = 16.0 * shift + 1.0 + 1e-4 * largest
-                if shift > 1e6 * (1.0 + largest):
-                    break
-            tries, pivot = 0, 0
-            for _ in range(_SHIFTS):
-                pivot = _factor(room, _FLAT + 1e-13 * largest if flat else shift)
-                if flat or pivot == m:
-                    break
-                shift = 4.0 * shift + 0.1 + 1e-7 * largest
-            if flat:
-                if pivot == m or saddles == _SADDLES:
-                    return CONVERGED, bending, contact, pivot == m
-                saddles += 1
-            elif pivot < m:
+            if steps > 0 and tries < _TRIALS:
+                move(rod, slopes.basis, step, t, trial)
+                continue
+            shift = 16.0 * shift + 1.0 + 1e-4 * largest
+            if shift > 1e6 * (1.0 + largest):
+                status = STALLED
+        # what cannot be improved is good enough a little above the tolerance
+        flat = size <= (tolerance if status == CONVERGED else _ENOUGH * tolerance)
+        if not (flat or status == CONVERGED) or steps == 0:
+            break
+        pivot = 0
+        for _ in range(_SHIFTS):
+            pivot = _factor(hessian, _FLAT + 1e-13 * largest if flat else shift, factors)
+            if flat or pivot == m:
                 break
-            slope = _solve(room, pivot)
-            for i in range(2, -1, -1):
-                _reflect(room.constraint, i, step)
-            turn = largest_turn(rod.s, step)
-            t = _LEAVE / turn if flat else 1.0 if turn < _STEP else _STEP / turn
-        move(rod, room.slopes.basis, step, t, trial)
-    return STALLED, bending, contact, False
+            shift = 4.0 * shift + 0.1 + 1e-7 * largest
+        if flat and (pivot == m or tries > 0 or saddles == _SADDLES or status != CONVERGED):
+            return CONVERGED, bending, contact, pivot == m
+        tries, saddles = 0, saddles + 1 if flat else saddles
+        if not (flat or pivot == m):
+            break
+        slope = _solve(factors, pivot, gradient, step)
+        for i in range(2, -1, -1):
+            _reflect(constraint, i, step)
+        turn = largest_turn(rod.s, step)
+        t = _LEAVE / turn if flat else 1.0 if turn < _STEP else _STEP / turn
+        move(rod, slopes.basis, step, t, trial)
+    return status if status != CONVERGED else STALLED, bending, contact, False

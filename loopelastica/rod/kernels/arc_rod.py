@@ -1,11 +1,12 @@
 """The rod of circular arcs: its energy, and exact derivatives in its tangents.
 
-n arcs of lengths l_k lie between unit tangents u_k and u_k+1; u_0 and u_n are the clamps, the others
-are free. Neighbours share a tangent, so the curve is smooth and its arc length exact, and it ends
-where the sum of its chords does. With z = 1 − u·v = 1 − cos θ for the two tangents u, v of an arc
+n arcs of lengths l_k lie between unit tangents u_k and u_k+1; u_0 and u_n are the clamps, the
+others are free. Neighbours share a tangent, so the curve is smooth and its arc length exact, and
+it ends where the sum of its chords does. With z = 1 − u·v = 1 − cos θ for the two tangents u, v of
+an arc
 
     S = θ/sin θ = Σ k! zᵏ/(2k + 1)!!,   ψ = tan(θ/2)/θ = 1/(S (2 − z))
-    bending energy  θ²/2l, with dE/dz = S/l;   chord  d = l ψ (u + v)
+    bending energy  θ²/2l, dE/dz = S/l (a little more beyond 2 rad);   chord  d = l ψ (u + v)
 
 Under forces G_k on the chords (dE = Σ G_k·d(d_k)), with γ = G·(u + v), A = S/l + l ψ′ γ and
 B = S′/l + l ψ″ γ, the derivatives of θ²/2l + G·d are
@@ -15,8 +16,8 @@ B = S′/l + l ψ″ γ, the derivatives of θ²/2l + G·d are
     in u, v         B v uᵀ − A 1 − l ψ′ (v Gᵀ + G uᵀ)
 
 and the same with u and v exchanged. On the sphere a Hessian loses u·∇ on its diagonal. Tangent k
-moves by u + E x with two coordinates x; the columns of E are orthonormal over √h_k, h_k half of both
-neighbouring arcs, so that |x|² is an integral over the rod and meshes do not matter.
+moves by u + E x with two coordinates x; the columns of E are orthonormal over √h_k, h_k half of
+both neighbouring arcs, so that |x|² is an integral over the rod and meshes do not matter.
 """
 
 import math
@@ -27,8 +28,10 @@ import numpy as np
 from loopelastica._arrays import Array
 from loopelastica.rod.kernels.jit import kernel
 
-# z above which an arc turns too far, 2.8 rad: beyond half a turn its chord has no direction
-_FOLDED = 1.94
+# z of an arc that turns by 2 rad, from where on it becomes stiffer so that it never turns by half
+# a turn, where its chord has no direction; z that is as good as that
+SHARP = 1.4161468365471424
+_FOLDED = 1.9999
 
 
 class ArcRod(NamedTuple):
@@ -57,7 +60,7 @@ class Slopes(NamedTuple):
 
 @kernel
 def arc(z):
-    """S, S′, ψ, ψ′, ψ″ at z = 1 − cos θ."""
+    """E′ l, E″ l of the energy, ψ, ψ′, ψ″ at z = 1 − cos θ."""
     if z < 0.1:
         # k! zᵏ/(2k + 1)!! and its derivatives
         s0, s1, s2, a, power = 1.0, 0.0, 0.0, 1.0, 1.0
@@ -77,6 +80,11 @@ def arc(z):
     d0 = s0 * (2.0 - z)
     d1 = s1 * (2.0 - z) - s0
     d2 = s2 * (2.0 - z) - 2.0 * s1
+    if z > SHARP:
+        # the derivatives of y²/(1 − y) with y = (z − z_sharp)/(2 − z_sharp)
+        left = (2.0 - z) / (2.0 - SHARP)
+        s0 += (1.0 / (left * left) - 1.0) / (2.0 - SHARP)
+        s1 += 2.0 / (left**3 * (2.0 - SHARP) ** 2)
     return s0, s1, 1.0 / d0, -d1 / d0**2, (2.0 * d1 * d1 / d0 - d2) / d0**2
 
 
@@ -103,6 +111,8 @@ def trace(rod):
         psi = arc(z)[2]
         half = math.asin(math.sqrt(0.5 * z))
         energy += 2.0 * half * half / length
+        if z > SHARP:
+            energy += (z - SHARP) ** 2 / ((2.0 - z) * (2.0 - SHARP) * length)
         for i in range(3):
             points[k + 1, i] = points[k, i] + length * psi * (u[k, i] + u[k + 1, i])
     return energy
@@ -197,7 +207,9 @@ def add_arcs(rod, forces, basis, hessian):
                     for i in range(3):
                         dot += basis[k, i, p] * basis[k + 1, i, q]
                     hessian[at + p, at + 2 + q] += (
-                        b * v[0, p] * v[1, q] - a * dot - c * (v[0, p] * g[1, q] + g[0, p] * v[1, q])
+                        b * v[0, p] * v[1, q]
+                        - a * dot
+                        - c * (v[0, p] * g[1, q] + g[0, p] * v[1, q])
                     )
 
 

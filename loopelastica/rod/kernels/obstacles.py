@@ -35,9 +35,6 @@ class Obstacles(NamedTuple):
     stiffness: float
     density: float
     """Points per length that the rod itself counts as; 0 for none."""
-    low: Any
-    """(3,): scratch, as ``high``: the cells about a node."""
-    high: Any
     apart: float
     """Parts of the rod repel each other from this length of rod between them on, fully from
     twice that."""
@@ -50,6 +47,14 @@ def strength(square, cutoff):
     if not d < cutoff:
         return 0.0, 0.0, 0.0
     return 0.5 * (cutoff - d) ** 2, 1.0 - cutoff / d, cutoff / d**3
+
+
+@kernel
+def cells_about(obstacles, x, axis):
+    """Range of cells along an axis that may hold a point near the coordinate ``x``."""
+    at = math.floor((x - obstacles.corner[axis]) / obstacles.cell)
+    high = at + 2 if at + 2 < obstacles.shape[axis] else obstacles.shape[axis]
+    return at - 1 if at > 1 else 0, high
 
 
 @kernel
@@ -70,17 +75,13 @@ def repel(obstacles, rod, forces, blocks):
     for k in range(n + 1):
         weight = obstacles.stiffness * width(rod.s, k)
         # the cells of the node and those beside it; one row of them is one range of points
-        low, high = obstacles.low, obstacles.high
-        for i in range(3):
-            at = math.floor((nodes[k, i] - obstacles.corner[i]) / obstacles.cell)
-            low[i] = at - 1 if at > 1 else 0
-            high[i] = at + 2 if at + 2 < shape[i] else shape[i]
-        for a in range(low[0], high[0]):
-            for b in range(low[1], high[1]):
+        low_a, high_a = cells_about(obstacles, nodes[k, 0], 0)
+        low_b, high_b = cells_about(obstacles, nodes[k, 1], 1)
+        low_c, high_c = cells_about(obstacles, nodes[k, 2], 2)
+        for a in range(low_a, high_a):
+            for b in range(low_b, high_b if low_c < high_c else low_b):
                 row = (a * shape[1] + b) * shape[2]
-                if low[2] >= high[2]:
-                    continue
-                for at in range(first[row + low[2]], first[row + high[2]]):
+                for at in range(first[row + low_c], first[row + high_c]):
                     x = nodes[k, 0] - points[at, 0]
                     y = nodes[k, 1] - points[at, 1]
                     z = nodes[k, 2] - points[at, 2]
