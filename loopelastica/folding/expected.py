@@ -26,6 +26,7 @@ CLASSES: Final = ((1, "1"), (2, "2"), (4, "3-4"), (9, "5-9"), (math.inf, "10-12"
 
 TABLE: Final[dict[str, tuple[tuple[float, ...], tuple[float, float, float]]]] = {
     # class: coefficients b, quantiles (10, 50, 90 %) of the residual
+    **{name: ((0.0,) * 6, (-0.5, 0.0, 0.5)) for _, name in CLASSES},
 }
 
 

@@ -201,6 +201,5 @@ def strand_ends(gap: Gap) -> StrandEnds:
     # a strand of both kinds is as short as one of RNA
     is_dna = all(monomer.is_dna for monomer in gap.monomers)
     length_A = line_length(n, distance_A, is_dna)
-    return StrandEnds(
-        start, start_frame, end, end_frame, n, length_A, np.array([rms_5, rms_3]), is_dna
-    )
+    fit_rms_A = np.array([rms_5, rms_3])
+    return StrandEnds(start, start_frame, end, end_frame, n, length_A, fit_rms_A, is_dna)

@@ -1,4 +1,4 @@
-"""The table of expected errors from the rows of a deletion study: fit, quantiles, cross-validation."""
+"""The table of expected errors from the rows of a deletion study: fit, quantiles, coverage."""
 
 from __future__ import annotations
 

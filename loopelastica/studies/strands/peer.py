@@ -90,7 +90,7 @@ def _cropped(gap: Gap, atoms: HeavyAtoms) -> tuple[str, int]:
     kept = set(atoms.residue[near & ~atoms.water].tolist()) | set(own)
     single = np.bincount(atoms.residue, minlength=len(atoms.labels)) == 1
     rest = [r for r in sorted(kept) if r not in own and not single[r]]
-    lines = []
+    lines: list[str] = []
     # the strand's own neighbours are chain A; everything else is one residue after another in B
     for chain, residues in (("A", own), ("B", rest)):
         for number, residue in enumerate(residues, start=1):

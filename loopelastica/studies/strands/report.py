@@ -46,9 +46,7 @@ def report(rows: Sequence[Row]) -> str:
 
 
 def grouped(rows: Iterable[Row]) -> dict[tuple[str, str], list[Row]]:
-    """Rows by kind and type, and class of length; bulges, internal loops and junctions once more
-    together.
-    """
+    """Rows by kind and type, and class of length; those of paired flanks once more together."""
     groups: dict[tuple[str, str], list[Row]] = defaultdict(list)
     for row in rows:
         groups[f"{row['kind']} {row['type']}", row["class"]].append(row)
