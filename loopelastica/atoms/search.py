@@ -1,9 +1,10 @@
 """From a line to sound atoms: combinations of Ω and χ, and looser lines, tried in a fixed order.
 
-    line → Ω and χ → start → minimum → checks
+    line → Ω and χ → start → minimum → checks (→ mended → checks)
 
-The first sound models end the search. Where none is sound, the one that is nearest to it is given
-back, and its checks say what is wrong.
+Where the line itself leads to nothing sound, it is bent to all sides, and the bends on which Ω and
+χ find most room are tried first. The first sound models end the search. Where none is sound, the
+one that is nearest to it is given back, and its checks say what is wrong.
 """
 
 from __future__ import annotations
@@ -28,8 +29,7 @@ from loopelastica.atoms.turn import Turns, turned
 
 LINE_SD_A: Final = (0.3, 1.0, 3.0)
 """How near the backbone centroids are held to the line. The next one is for lines from which no
-sound model has come: a rod has no thickness and may run through the stem or itself. The nucleotides
-are then moved out of the way first."""
+sound model has come: a rod has no thickness and may run through what is there or itself."""
 BENDS_A: Final = (2.5, 5.0)
 """How far the line is bent to all sides where it leads to no sound model."""
 MOST_TRIES: Final = 12
@@ -100,6 +100,7 @@ def best_on(
     Returns
     -------
     Attempt, list of Turns, int
+        The last is the number of attempts.
     """
     end = time.monotonic() + limits.max_seconds
     problem = Problem.at(site)

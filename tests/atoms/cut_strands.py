@@ -87,8 +87,8 @@ def left(chain, gap):
     """What is there with a gap."""
     gone = {monomer.number for monomer in gap.monomers}
     rest = [monomer for monomer in chain if monomer.number not in gone]
-    changed = {m.label: m for m in (gap.before, gap.after, *gap.monomers) if m is not None}
-    rest = [changed.get(monomer.label, monomer) for monomer in rest]
+    changed = {monomer.number: monomer for monomer in (gap.before, gap.after)}
+    rest = [changed.get(monomer.number, monomer) for monomer in rest]
     return [*rest, *(monomer for monomer in gap.monomers if monomer.atoms_A)]
 
 

@@ -1,4 +1,5 @@
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -106,3 +107,57 @@ def test_atoms_three_bonds_apart_as_across_a_ring_are_no_clash(models, checked):
     n1, c4 = (positions[molecule.index(0, name)] for name in ("N1", "C4"))
     assert np.linalg.norm(n1 - c4) == pytest.approx(2.8, abs=0.1)
     assert checked(positions, np.full((1, 3), 1e3)).clashes_per_1000 == 0
+
+
+@pytest.mark.parametrize(
+    ("figure", "good", "bad", "phrase"),
+    [
+        ("worst_angle_deg", 9.9, 10.1, "angle .* off by 10°"),
+        ("worst_bond_A", 0.049, 0.051, "bond .* off by 0.05 Å"),
+        ("closest_A", 2.21, 2.19, "are 2.19 Å apart"),
+        ("wrong_chirality", (), ("2:C3'",), "wrong hand at 2:C3'"),
+        ("status", "converged", "the limit of steps was reached", "the limit of steps"),
+    ],
+)
+def test_each_figure_by_itself_keeps_a_model_from_being_sound(models, figure, good, bad, phrase):
+    checks = models[0].checks
+    assert dataclasses.replace(checks, **{figure: good}).sound
+    wrong = dataclasses.replace(checks, **{figure: bad})
+    assert not wrong.sound
+    assert wrong.excess > 0.0
+    (told,) = wrong.wrong
+    assert re.search(phrase, told)
+
+
+def test_an_angle_that_is_off_is_found_and_named(models, checked):
+    molecule, positions = models[0].molecule, models[0].relaxed.positions_A.copy()
+    o6, c6, c5 = (molecule.index(3, name) for name in ("O6", "C6", "C5"))
+    bond = positions[o6] - positions[c6]
+    # about the normal of the plane of the three
+    across = np.cross(np.cross(bond, positions[c5] - positions[c6]), bond)
+    across *= np.linalg.norm(bond) / np.linalg.norm(across)
+    angle = np.deg2rad(14.0)
+    positions[o6] = positions[c6] + np.cos(angle) * bond + np.sin(angle) * across
+    checks = checked(positions, np.full((1, 3), 1e3))
+    assert checks.worst_angle_deg == pytest.approx(14.0, abs=3.0)
+    assert "4:O6" in checks.worst_angle
+    assert "4:C6" in checks.worst_angle
+    assert not checks.sound
+
+
+@pytest.mark.parametrize(("metal", "distance_A", "sound"), [
+    (True, 1.95, True), (True, 1.85, False), (False, 2.15, False), (False, 2.25, True),
+])  # fmt: skip
+def test_a_metal_may_be_nearer_to_an_oxygen_than_anything_else(
+    models, checked, metal, distance_A, sound
+):
+    molecule, positions = models[0].molecule, models[0].relaxed.positions_A
+    oxygen, p = positions[molecule.index(1, "OP1")], positions[molecule.index(1, "P")]
+    directions = np.random.default_rng(0).normal(size=(500, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    places = oxygen + distance_A * directions
+    others = np.delete(positions, molecule.index(1, "OP1"), axis=0)
+    room = np.linalg.norm(places[:, None] - others, axis=2).min(axis=1)
+    place = places[[room.argmax()]]
+    assert np.linalg.norm(place - p) > 2.3
+    assert checked(positions, place, metal=metal).sound == sound

@@ -135,6 +135,31 @@ def test_atoms_of_the_strand_that_are_there_are_kept(rna, case):
     assert all(set(residue.names).isdisjoint(residue.monomer.atoms_A) for residue in model.residues)
 
 
+def test_modified_nucleotides_are_built_as_far_as_they_are_known(rna):
+    gap = cut(rna, 3, 2)
+    names = (("5MU", "U"), ("PSU", "U"))
+    renamed = [
+        replace(monomer, resname=resname, letter=letter)
+        for monomer, (resname, letter) in zip(gap.monomers, names, strict=True)
+    ]
+    model = filled(rna, replace(gap, monomers=tuple(renamed)))
+    assert model.checks.wrong == ()
+    assert [residue.kind.standard for residue in model.residues] == ["5MU", "U"]
+    assert "C5M" in model.residues[0].names
+
+
+def test_what_a_modified_flank_lacks_of_its_base_is_left_and_its_own_groups_are_no_contacts(rna):
+    gap = cut(rna, 3, 2)
+    o3 = gap.before.atoms_A["O3'"]
+    c3 = gap.before.atoms_A["C3'"]
+    group = {"X1": c3 + 1.5 * (c3 - o3) / np.linalg.norm(c3 - o3)}
+    kept = without(gap.before, *base(gap.before), "O3'").atoms_A
+    odd = replace(gap.before, resname="XYZ", letter="N", atoms_A={**kept, **group})
+    model = filled(rna, replace(gap, before=odd))
+    assert model.checks.wrong == ()
+    assert {r.monomer.label: r.names for r in model.residues}["A.XYZ3"] == ("O3'",)
+
+
 def test_no_phosphate_is_invented_at_a_5_end(rna):
     chain = [without(rna[0], *PHOSPHATE), *rna[1:]]
     model = filled(chain, cut(chain, 1, 2))
