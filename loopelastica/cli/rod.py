@@ -71,7 +71,7 @@ def _parameters(clamping: str) -> list[float]:
 
 
 def warm() -> None:
-    """Compile the whole solver now, for any processor of this architecture: for containers.
+    """Compile the whole solver and the atoms' builder now, for any processor of this architecture: for containers.
 
     The compiled code goes into the package if that can be written, else into the user's folder of
     caches, or where LOOPELASTICA_CACHE says. A minute; nothing where it is there already.
@@ -80,7 +80,7 @@ def warm() -> None:
 
     typer.echo("compiling what is not compiled yet", err=True)
     try:
-        folder = compile_all()
+        folder = compile_all("loopelastica.atoms.warm")
     except (OSError, RuntimeError) as error:
         o.fail([str(error)])
     else:

@@ -54,8 +54,13 @@ def compile_paths() -> None:
     assert rod.net_winding != rod.periods
 
 
-def warm() -> Path:
-    """Compile everything in a process of its own, for any processor of this architecture.
+def warm(*others: str) -> Path:
+    """Compile everything in processes of their own, for any processor of this architecture.
+
+    Parameters
+    ----------
+    *others : str
+        Modules of other rooms that compile their kernels when they are run.
 
     Returns
     -------
@@ -72,10 +77,20 @@ def warm() -> Path:
     """
     folder = _target()
     environment = {**os.environ, **portable_environment(), "LOOPELASTICA_CACHE": str(folder)}
-    command = [sys.executable, "-m", __name__]
-    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    if run.returncode:
-        raise RuntimeError(f"compiling failed: {run.stderr.strip()[-500:]}")
+    processes = [
+        subprocess.Popen(
+            [sys.executable, "-m", module],
+            env=environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )  # fmt: skip
+        for module in ("loopelastica.rod.warm", *others)
+    ]
+    said = [process.communicate()[1] for process in processes]
+    for process, text in zip(processes, said, strict=True):
+        if process.returncode:
+            raise RuntimeError(f"compiling failed: {text.strip()[-500:]}")
     return folder
 
 
