@@ -14,15 +14,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
 from loopelastica.molecule.ends import StemEnds
+from loopelastica.molecule.strand_ends import StrandEnds
 from loopelastica.molecule.strands import Strand, line_cylinder, line_frame, line_length_A
 from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.surrounded import SurroundedRod
+
+Rod: TypeAlias = Equilibrium | SurroundedRod
 
 
 def helix_twist(strand: Strand) -> float:
@@ -53,7 +57,7 @@ class Line:
 
     Attributes
     ----------
-    rod : Equilibrium
+    rod : Equilibrium or SurroundedRod
     strand : Strand
     length_A : float
     extend_5, n, extend_3 : int
@@ -66,7 +70,7 @@ class Line:
         Turn of the directors against the rod's own frames over the whole length, rad.
     """
 
-    rod: Equilibrium
+    rod: Rod
     strand: Strand
     length_A: float
     extend_5: int
@@ -78,14 +82,14 @@ class Line:
     spin: float
 
     @classmethod
-    def between(cls, rod: Equilibrium, ends: StemEnds, strand: Strand) -> Line:
+    def between(cls, rod: Rod, ends: StemEnds | StrandEnds, strand: Strand) -> Line:
         """The line of a rod.
 
         Parameters
         ----------
-        rod : Equilibrium
+        rod : Equilibrium or SurroundedRod
             Dimensionless.
-        ends : StemEnds
+        ends : StemEnds or StrandEnds
             Where it is clamped, Å.
         strand : Strand
             What is carried.

@@ -71,7 +71,7 @@ def _parameters(clamping: str) -> list[float]:
 
 
 def warm() -> None:
-    """Compile the whole solver and the atoms' builder now, for any processor of this architecture: for containers.
+    """Compile everything now, for any processor of this architecture: for containers.
 
     The compiled code goes into the package if that can be written, else into the user's folder of
     caches, or where LOOPELASTICA_CACHE says. A minute; nothing where it is there already.

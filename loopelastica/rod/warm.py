@@ -84,7 +84,7 @@ def warm(*others: str) -> Path:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
-        )  # fmt: skip
+        )
         for module in ("loopelastica.rod.warm", *others)
     ]
     said = [process.communicate()[1] for process in processes]

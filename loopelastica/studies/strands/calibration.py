@@ -95,7 +95,7 @@ def _own(rows: Sequence[Mapping[str, Any]], name: str) -> list[Mapping[str, Any]
 
 def _data(rows: Sequence[Mapping[str, Any]], name: str) -> tuple[Array, Array, NDArray[np.int64]]:
     own = _own(rows, name)
-    x = np.array([row["signs"] for row in own]).reshape(len(own), -1)
+    x = np.array([row["signs"] for row in own], dtype=np.float64)
     y = np.log(np.array([row["rmsd_atoms_A"] for row in own]) + SHIFT_A)
     files = sorted({row["file"] for row in rows})
     return x, y, np.array([files.index(row["file"]) for row in own], dtype=np.int64)
