@@ -10,11 +10,12 @@ first_model = file.read_text().split("ENDMDL")[0].splitlines()
 atoms = [line for line in first_model if line.startswith("ATOM") and line[76:78].strip() != "H"]
 loop = [line for line in atoms if 6 <= int(line[22:26]) <= 9]
 gapped = Path("gapped.pdb")
-gapped.write_text(
-    "SEQRES   1 A   14    G   G   C   A   C   U   U   C   G   G   U   G   C   C\n"
-    + "\n".join(line for line in atoms if line not in loop)
-    + "\nEND\n"
+record = "\n".join(
+    f"SEQRES{line:4d} A   14  " + " ".join(f"{letter:>3}" for letter in letters)
+    for line, letters in enumerate(("GGCACUUCGGUGC", "C"), start=1)
 )
+there = [line for line in atoms if line not in loop]
+gapped.write_text("\n".join([record, *there, "END", ""]))
 
 # %% What is missing is found by the sequence of record (SEQRES); `strands="A.6-9=UUCG"` would give it
 filling = le.fill(gapped)
@@ -44,18 +45,22 @@ def in_loop(line):
 
 
 filled = [line for line in Path("filled.pdb").read_text().splitlines() if line.startswith("ATOM")]
-figure, axes = plt.subplots(1, 2, figsize=(8.0, 4.2), subplot_kw={"projection": "3d"})
-for view, azimuth in zip(axes, (20.0, 110.0), strict=True):
-    for strand, wanted in (
-        ("there", lambda line: int(line[22:26]) <= 5),
-        (None, lambda line: int(line[22:26]) >= 10),
-    ):
-        view.plot(*backbone(filled, wanted).T, color="0.6", lw=2, label=strand)
-    view.plot(*backbone(filled, in_loop).T, color="#0072B2", lw=3, label="built")
-    view.plot(*backbone(loop, in_loop).T, color="#D55E00", lw=1.5, ls="--", label="taken out")
-    view.set_box_aspect([np.ptp(axis) for axis in backbone(filled, lambda line: True).T])
-    view.view_init(elev=10.0, azim=azimuth)
-    view.set_axis_off()
-axes[0].legend(loc="upper left", frameon=False)
-figure.suptitle("2KOC, nucleotides 6-9 filled between 5 and 10; no superposition")
+everything = backbone(filled, lambda line: True)
+middle = everything.mean(axis=0)
+up, across, depth = np.linalg.svd(everything - middle, full_matrices=False)[2]
+figure, axes = plt.subplots(1, 2, figsize=(7.0, 5.0), sharey=True)
+for view, sideways in zip(axes, (across, depth), strict=True):
+
+    def draw(points, view=view, sideways=sideways, **style):
+        view.plot((points - middle) @ sideways, (points - middle) @ up, **style)
+
+    draw(backbone(filled, lambda line: int(line[22:26]) <= 5), color="0.6", lw=2, label="there")
+    draw(backbone(filled, lambda line: int(line[22:26]) >= 10), color="0.6", lw=2)
+    draw(backbone(loop, in_loop), color="#D55E00", lw=1.5, ls="--", label="taken out")
+    draw(backbone(filled, in_loop), color="#0072B2", lw=2.5, label="built")
+    view.set_aspect("equal")
+    view.set_xlabel("Å")
+axes[0].set_ylabel("Å")
+axes[1].legend(loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)
+figure.suptitle("2KOC: nucleotides 6-9 between 5 and 10, from two sides, not superposed", fontsize=10)
 figure.savefig("fill_strand.png", dpi=130, bbox_inches="tight")

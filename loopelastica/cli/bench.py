@@ -75,6 +75,31 @@ def bench_atoms(
             tell(line)
 
 
+@bench.command("strands", cls=Command)
+def bench_strands(
+    folders: Annotated[
+        list[Path], typer.Argument(help="Folders of structure files.", show_default=False)
+    ],
+    out: _Out = _RESULTS / "strands",
+    sample: Annotated[
+        int, typer.Option(help="Most strands of each kind, type and class of length.", min=1)
+    ] = 12,
+    pdbfixer: Annotated[
+        bool, typer.Option("--pdbfixer", help="Fill them with PDBFixer too (some hours).")
+    ] = False,
+) -> None:
+    """Take strands out of structures, fill them again, and compare with simpler curves."""
+    from loopelastica.studies.sources import structure_files
+    from loopelastica.studies.strands.deletion import run
+
+    with o.usage():
+        for folder in folders:
+            structure_files(folder)  # before a folder is made
+    with _study(out):
+        for line in run(folders, out, sample=sample, pdbfixer=pdbfixer, progress=True).splitlines():
+            tell(line)
+
+
 @bench.command("stability", cls=Command)
 def bench_stability(
     out: _Out = _RESULTS / "stability",

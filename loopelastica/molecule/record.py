@@ -112,13 +112,15 @@ def records_of(entry: Entry, model: int = 0) -> Records:
         if (base := _base(one.parent_comp_id))
     }
     if entry.document is None:
-        found = {
-            entity.name: _record(
-                [(tuple(names.split(",")), None, "") for names in sequence], "", parents, "SEQRES"
-            )
-            for entity in entry.structure.entities
-            if (sequence := entity.full_sequence)
-        }
+        long_lines = _seqres(entry.text)
+        found = {}
+        for entity in entry.structure.entities:
+            sequence = list(entity.full_sequence)
+            # gemmi takes thirteen names of a line; some programs write more
+            if len(own := long_lines.get(entity.name, [])) > len(sequence):
+                sequence = own
+            if sequence:
+                found[entity.name] = _record(_listed(sequence), "", parents, "SEQRES")
         return Records({}, _nucleic(found), _remark_465(entry.text, model), parents)
     block = entry.document.sole_block()
     nonstandard = _category(block, "_chem_comp.")
@@ -169,6 +171,14 @@ def _record(rows: Rows, canonical: str, parents: dict[str, str], source: str) ->
 
 
 # --- PDB ------------------------------------------------------------------------------------------
+
+
+def _seqres(text: str) -> dict[str, list[str]]:
+    """Names in SEQRES, whatever columns they are in, by chain."""
+    names: dict[str, list[str]] = {}
+    for line in re.findall(r"^SEQRES.*", text, re.MULTILINE):
+        names.setdefault(line[11:12].strip(), []).extend(line[19:].split())
+    return names
 
 
 def _remark_465(text: str, model: int) -> dict[str, list[Absent]]:

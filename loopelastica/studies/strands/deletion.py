@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica._files import write_csv, write_text
+from loopelastica._files import write_csv, write_json, write_text
 from loopelastica.errors import LoopelasticaError
 from loopelastica.filling.fill import strand_models, without
 from loopelastica.folding.expected import expected_rmsd, length_class, signs
@@ -30,6 +30,7 @@ from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.curves import equal_length_hermite
 from loopelastica.rod.solve import solve
 from loopelastica.studies.sources import structure_files
+from loopelastica.studies.strands.calibration import calibrated, covered
 from loopelastica.studies.strands.report import report
 from loopelastica.studies.strands.selection import Cut, cuts, distinct
 
@@ -44,7 +45,10 @@ def run(
     pdbfixer: bool = False,
     progress: bool = False,
 ) -> str:
-    """Measure; write ``strands.csv`` (a row per strand) and ``strands.md`` (tables).
+    """Measure; write ``strands.csv`` (a row per strand), ``strands.md`` and ``calibration.json``.
+
+    The last is the table of :mod:`loopelastica.folding.expected` as these strands give it, and how
+    often its intervals hold on entries that it has not seen.
 
     Parameters
     ----------
@@ -87,6 +91,7 @@ def run(
     _write(out, rows)
     text = report(rows)
     write_text(out / "strands.md", text)
+    write_json(out / "calibration.json", {"table": calibrated(rows), "covered": covered(rows)})
     return text
 
 
