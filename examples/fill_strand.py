@@ -17,7 +17,7 @@ record = "\n".join(
 there = [line for line in atoms if line not in loop]
 gapped.write_text("\n".join([record, *there, "END", ""]))
 
-# %% What is missing is found by the sequence of record (SEQRES); `strands="A.6-9=UUCG"` would give it
+# %% SEQRES says what is missing; without it `strands="A.6-9=UUCG"` would
 filling = le.fill(gapped)
 for strand in filling.strands:
     low, expected, high = strand.expected_rmsd_A
@@ -62,5 +62,5 @@ for view, sideways in zip(axes, (across, depth), strict=True):
     view.set_xlabel("Å")
 axes[0].set_ylabel("Å")
 axes[1].legend(loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)
-figure.suptitle("2KOC: nucleotides 6-9 between 5 and 10, from two sides, not superposed", fontsize=10)
+figure.suptitle("2KOC: nucleotides 6-9 between 5 and 10, not superposed", fontsize=10)
 figure.savefig("fill_strand.png", dpi=130, bbox_inches="tight")

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.carry import Line
@@ -33,8 +34,11 @@ from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
 from loopelastica.molecule.refusals import Refusal, refusal
 from loopelastica.molecule.strand_ends import StrandEnds, strand_ends
 from loopelastica.molecule.strands import ideal_strand
-from loopelastica.molecule.surroundings import heavy_atoms
+from loopelastica.molecule.surroundings import heavy_atoms, symmetry_mates
 from loopelastica.report.compose import Removed
+
+MATE_A: Final = 3.0
+"""Mates in the crystal nearer than this are told."""
 
 
 @keywords(FillOptions)
@@ -84,7 +88,7 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
     remarks: list[str] = []
     for model in range(entry.n_models):
         filler = _Filler(entry, model, options)
-        strands += filler.strands()
+        strands += _with_mates(entry, list(filler.strands()))
         completions += filler.completions()
         remarks += filler.remarks
     return Filling(
@@ -97,6 +101,32 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
         entry=entry,
         completions=tuple(completions),
     )
+
+
+def _with_mates(entry: Entry, strands: list[FilledStrand]) -> list[FilledStrand]:
+    """The strands of one model, and how near what was built comes to its mates in the crystal.
+
+    They are told, not avoided: which of two mates gives way is not for one strand to say.
+    """
+    built = {
+        k: np.concatenate([r.positions_A for r in strand.candidates[0].atoms.residues])
+        for k, strand in enumerate(strands)
+        if strand.candidates
+    }
+    if not built:
+        return strands
+    mates = symmetry_mates(
+        entry, np.concatenate(list(built.values())), MATE_A, strands[0].model - 1
+    )
+    if not len(mates):
+        return strands
+    tree = cKDTree(mates)
+    for k, points in built.items():
+        nearest = float(tree.query(points)[0].min())
+        if nearest < MATE_A:
+            remark = f"{strands[k].name}: a mate in the crystal is {nearest:.1f} Å away"
+            strands[k] = replace(strands[k], mate_A=nearest, remarks=(*strands[k].remarks, remark))
+    return strands
 
 
 def strand_models(

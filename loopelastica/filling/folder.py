@@ -174,6 +174,7 @@ def strand_record(strand: FilledStrand) -> dict[str, Any]:
         "distance_A": strand.distance_A,
         "length_A": strand.length_A,
         "crowding": strand.crowding,
+        "mate_A": strand.mate_A,
         "remarks": list(strand.remarks),
         "candidates": [_candidate_record(candidate) for candidate in strand.candidates],
     }

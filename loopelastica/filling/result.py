@@ -90,6 +90,8 @@ class FilledStrand(Record):
         One sentence for each thing that a user should be aware of.
     nucleotides : int
         How many are missing.
+    mate_A : float or None
+        How near what was built comes to a mate in the crystal, where that is under 3 Å.
     """
 
     chain: str
@@ -106,6 +108,7 @@ class FilledStrand(Record):
     crowding: float | None = None
     remarks: tuple[str, ...] = ()
     nucleotides: int = 0
+    mate_A: float | None = None
 
     @property
     def name(self) -> str:
