@@ -25,6 +25,7 @@ ABOUT = {
     "cli": "commands, progress",
     "studies": "bench, evaluate",
     "batch": "many files, workers",
+    "filling": "gaps to structures",
     "report": "files, tables, pictures",
     "atoms": "from line to residues",
     "folding": "structure to candidates",
