@@ -172,7 +172,7 @@ def read(path):
             universe = mda.Universe(str(path))
         n_atoms = structure[0].count_atom_sites()
         assert len(universe.atoms) == n_atoms
-        molecule = Chem.MolFromPDBBlock(path.read_text().split("ENDMDL")[0], sanitize=True)
+        molecule = Chem.MolFromPDBBlock(path.read_text().split("ENDMDL")[0], removeHs=False)
         assert molecule is not None
         assert molecule.GetNumAtoms() == n_atoms
     return structure
