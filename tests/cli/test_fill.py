@@ -2,6 +2,7 @@
 
 import csv
 import gzip
+import io
 import json
 import os
 import signal
@@ -270,7 +271,7 @@ def test_the_table_fits_eighty_columns(tmp_path, out):
         for name in ("expected_10_A", "expected_rmsd_A", "expected_90_A"):
             row[name] = float(row[name]) if row[name] else None
         row["sound"] = {"True": True, "False": False, "": None}[row["sound"]]
-    console = Console(width=80, record=True, file=open(os.devnull, "w"))
+    console = Console(width=80, record=True, file=io.StringIO())
     console.print(fill_table(rows, out))
     lines = console.export_text().splitlines()
     assert max(map(len, lines)) <= 80
