@@ -66,6 +66,8 @@ def fill(
             f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} strands in"
             f" {done.table}"
         )
-    console().print(fill_table(done.rows, Path(out)))
+    rows = list(done.rows)
+    if rows:
+        console().print(fill_table(rows, Path(out)))
     o.note(o.screenful([*notes, *done.notes], "in the files' fill.json"))
     o.fail_of_many(done.failures, out)

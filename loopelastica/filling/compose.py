@@ -62,7 +62,10 @@ def changes_of(filling: Filling, rank: int = 1) -> Changes:
     Returns
     -------
     Changes
+        None at all where nothing was filled: the file stays as it is, remarks too.
     """
+    if not (filling.filled or filling.completions):
+        return Changes()
     added: list[AddedResidue] = []
     removed: list[Removed] = []
     for strand in filling.filled:

@@ -27,7 +27,7 @@ from loopelastica.folding.line import NEAR_A, StrandLine, strand_lines
 from loopelastica.folding.options import keywords
 from loopelastica.molecule.entry import Entry, read_entry
 from loopelastica.molecule.flanks import around
-from loopelastica.molecule.gaps import find_gaps
+from loopelastica.molecule.gaps import Gaps, Incomplete, find_gaps
 from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.obstacles import crowding, obstacles
 from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
@@ -39,6 +39,8 @@ from loopelastica.report.compose import Removed
 
 MATE_A: Final = 3.0
 """Mates in the crystal nearer than this are told."""
+MANY: Final = 3
+"""Nucleotides of one fault that are named one by one; of more there is one sentence."""
 
 
 @keywords(FillOptions)
@@ -167,7 +169,7 @@ class _Filler:
 
     def __init__(self, entry: Entry, model: int, options: FillOptions) -> None:
         self.model, self.options = model, options
-        self.found = find_gaps(entry, model, options.strands)
+        self.found = _found(entry, model, options)
         replaced = {m.label for gap in self.found.gaps for m in gap.replaces}
         self.atoms = without(heavy_atoms(entry, model), replaced)
         self.built: dict[str, Monomer] = {}
@@ -186,13 +188,12 @@ class _Filler:
 
     def completions(self) -> Iterator[Completion]:
         """Nucleotides beside no gap, with the atoms that they lacked."""
-        for monomer, missing in self.found.incomplete:
+        left: list[Incomplete] = []
+        for one in self.found.incomplete:
+            monomer = one.monomer
             gap = around(self.found.chains, monomer)
             if gap is None:
-                self.remarks.append(
-                    f"{monomer.label} lacks {enumerated(missing)} at an end of its chain; it is"
-                    " left as it is"
-                )
+                left.append(one)
                 continue
             try:
                 gap = self._with_built(gap)
@@ -204,6 +205,7 @@ class _Filler:
                 why = "; ".join(model.checks.wrong)
                 self.remarks.append(f"{monomer.label}: not sound with its missing atoms ({why})")
             yield Completion(self.model + 1, model, self._grown(model))
+        self.remarks += _left(left)
 
     def _filled(self, gap: Gap) -> FilledStrand:
         ends = strand_ends(gap)
@@ -277,6 +279,15 @@ class _Filler:
         return waters
 
 
+def _found(entry: Entry, model: int, options: FillOptions) -> Gaps:
+    """What is missing; where the options contradict the file the sentence names it."""
+    try:
+        return find_gaps(entry, model, options.strands)
+    except StructureError as error:
+        where = f"{entry.where}: "
+        raise StructureError(where + str(error).removeprefix(where)) from None
+
+
 def without(atoms: HeavyAtoms, labels: Collection[str]) -> HeavyAtoms:
     """The atoms of all residues but those of some labels."""
     own = [row for row, label in enumerate(atoms.labels) if label in labels]
@@ -294,6 +305,22 @@ class _InFile:
         points, frames = self._line.at(phases)
         start = self._ends.start_frame
         return points @ start.T + self._ends.start_origin_A, start @ frames
+
+
+def _left(incomplete: Sequence[Incomplete]) -> Iterator[str]:
+    """What is said of nucleotides that lack atoms and cannot get them."""
+    if len(incomplete) > MANY:
+        names = enumerated([one.monomer.label for one in incomplete])
+        yield (
+            f"{len(incomplete)} nucleotides lack atoms and do not lie between two with C4' and four"
+            f" backbone atoms; they are left as they are: {names}"
+        )
+        return
+    for monomer, missing in incomplete:
+        yield (
+            f"{monomer.label} lacks {enumerated(missing)} and does not lie between two nucleotides"
+            " with C4' and four backbone atoms; it is left as it is"
+        )
 
 
 def _remarks(gap: Gap, first: FilledCandidate) -> Iterator[str]:

@@ -15,8 +15,18 @@ from loopelastica.filling.result import FilledCandidate, FilledStrand, Filling
 
 MANIFEST: Final = "fill.json"
 _SUFFIX: Final = {"pdb": ".pdb", "mmcif": ".cif"}
+_NAMES: Final = {"pdb": "PDB", "mmcif": "mmCIF"}
+_FORMATS: Final = {".pdb": "pdb", ".ent": "pdb", ".cif": "mmcif", ".mmcif": "mmcif"}
 _KEY: Final = ("version", "sha256", "parameters")
 """Entries of the manifest that determine all else."""
+
+STRAND_COLUMNS: Final = (
+    *("model", "chain", "first", "last", "sequence", "kind", "nucleotides"),
+    *("status", "reason", "sound", "expected_10_A", "expected_rmsd_A", "expected_90_A"),
+    *("shape", "distance_A", "length_A", "crowding", "energy_per_A", "contact_energy_per_A"),
+    *("nearest_A", "worst_bond_A", "worst_angle_deg", "closest_contact_A"),
+)
+"""Columns of tables that have a row per strand."""
 
 
 def folder_of(root: Path, source: Path, number: int = 1) -> Path:
@@ -52,13 +62,32 @@ def write_filling(path: Path, filling: Filling) -> Path:
     -------
     Path
         What was written.
+
+    Raises
+    ------
+    ValueError
+        If the name is of another format, of a compressed file, or that of the input.
     """
-    if path.suffix.lower() in (".pdb", ".ent", ".cif", ".mmcif"):
-        text, _ = composed(filling)
+    suffix = path.suffix.lower()
+    if suffix in (".gz", ".bz2"):
+        raise ValueError(f"`path` is {path}; compressed files are read, not written")
+    if suffix in _FORMATS:
+        text, kind = composed(filling)
+        if kind != _FORMATS[suffix]:
+            raise ValueError(
+                f"`path` is {path}, but the filled structure is {_NAMES[kind]}, as it came or"
+                f" because PDB does not hold it; name it *{_SUFFIX[kind]}"
+            )
+        if filling.entry.path is not None and _same(path, filling.entry.path):
+            raise ValueError(f"`path` is {path}, the file that was filled; name another one")
         write_text(path, text)
         return path
     write_folder(path, filling)
     return path
+
+
+def _same(path: Path, other: Path) -> bool:
+    return os.path.realpath(path) == os.path.realpath(other)
 
 
 def write_folder(path: Path, filling: Filling) -> dict[str, Any]:
@@ -178,6 +207,26 @@ def strand_record(strand: FilledStrand) -> dict[str, Any]:
         "remarks": list(strand.remarks),
         "candidates": [_candidate_record(candidate) for candidate in strand.candidates],
     }
+
+
+def strand_row(strand: FilledStrand) -> dict[str, Any]:
+    """The row of a strand in tables: what fill.json has of it and of its first candidate.
+
+    Parameters
+    ----------
+    strand : FilledStrand
+        One gap of one model.
+
+    Returns
+    -------
+    dict
+        By `STRAND_COLUMNS`; None where there is nothing to say.
+    """
+    record = strand_record(strand)
+    low, middle, high = record["expected_rmsd_A"] or (None, None, None)
+    first = record["candidates"][0] if record["candidates"] else {}
+    own = {"expected_10_A": low, "expected_rmsd_A": middle, "expected_90_A": high}
+    return {name: {**first, **record, **own}.get(name) for name in STRAND_COLUMNS}
 
 
 def _candidate_record(candidate: FilledCandidate) -> dict[str, Any]:

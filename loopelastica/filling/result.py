@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import whole
 from loopelastica._files import sha256
 from loopelastica.folding.line import StrandLine
+from loopelastica.molecule.nucleotides import enumerated
 
 if TYPE_CHECKING:
     from loopelastica.atoms.strand import StrandModel
@@ -194,6 +195,27 @@ class Filling(Record):
                 yield f"model {strand.model}: {strand.reason}" if many else strand.reason
 
     @property
+    def notes(self) -> Iterator[str]:
+        """One sentence for each thing that a user should be aware of, of strands too."""
+        many = len({strand.model for strand in self.strands}) > 1
+        for strand in self.strands:
+            for sentence in strand.remarks:
+                yield f"model {strand.model}: {sentence}" if many else sentence
+        if self.completed:
+            yield f"missing atoms were added to {enumerated(self.completed)}"
+        yield from self.repaired
+        yield from self.remarks
+        if not (self.strands or self.completed or self.repaired):
+            yield "no internal gap; nothing to fill"
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """A row per strand, for :func:`loopelastica.to_dataframe`."""
+        from loopelastica.filling.folder import strand_row
+
+        for strand in self.strands:
+            yield {"file": self.name, **strand_row(strand)}
+
+    @property
     def sha256(self) -> str | None:
         """Digest of the input file; None where there was none."""
         return None if self.entry.path is None else sha256(self.entry.path)
@@ -237,6 +259,8 @@ class Filling(Record):
         ------
         OutputError
             If it cannot be written.
+        ValueError
+            If the name is of another format, of a compressed file, or that of the input.
         """
         from loopelastica.filling.folder import write_filling
 

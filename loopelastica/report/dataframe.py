@@ -16,18 +16,19 @@ if TYPE_CHECKING:
 
 
 class _Records(Protocol):
-    """What an analysis that ran has: a record per frame and loop."""
+    """What an analysis that ran and a filling have: a record per frame and loop, per strand."""
 
     def records(self) -> Iterator[dict[str, Any]]: ...
 
 
-def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
-    """Folded loops as a pandas table, or an analysis that ran.
+def to_dataframe(results: Iterable[LoopFold | _Records] | _Records) -> DataFrame:
+    """Folded loops or filled strands as a pandas table, or an analysis that ran.
 
     Parameters
     ----------
-    results : iterable of LoopFold, or LoopElastica
-        What :func:`fold` returns, of one structure or of several: a row per candidate. Or an
+    results : iterable of LoopFold, Filling, iterable of Filling, or LoopElastica
+        What :func:`fold` returns, of one structure or of several: a row per candidate. What
+        :func:`fill` returns, or several of these: a row per strand, filled or refused. Or an
         analysis of a trajectory that ran: a row per frame and loop.
 
     Returns
@@ -35,7 +36,8 @@ def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     pandas.DataFrame
         Of folds in the columns of ranking.csv: lengths in Å, energies as in :class:`Candidate`; the
         last column, ``failure``, is the reason where a loop could not be folded, which is a row
-        without candidate. What is not there is missing (``None`` or ``NaN``).
+        without candidate. Of fillings in the columns of summary.csv. What is not there is missing
+        (``None`` or ``NaN``).
 
     Raises
     ------
@@ -54,24 +56,34 @@ def to_dataframe(results: Iterable[LoopFold] | _Records) -> DataFrame:
     """
     given: Any = results
     try:
-        own = callable(getattr(given, "records", None))
-        rows = given.records() if own else _fold_rows(iter(given))
+        rows = _rows([given] if _has_records(given) else iter(given))
     except TypeError:
         raise ValueError(
-            f"`results` is {shown(given)}; it must be what fold gives, or an analysis"
+            f"`results` is {shown(given)}; it must be what fold or fill gives, or an analysis"
         ) from None
     table: DataFrame = _pandas().DataFrame(list(rows))
     return table
 
 
-def _fold_rows(folds: Iterable[LoopFold]) -> Iterator[dict[str, Any]]:
-    for fold in folds:
-        if not isinstance(fold, LoopFold):
-            raise ValueError(f"`results` holds {shown(fold)}; it must hold what fold gives")
-        for candidate in fold.candidates:
-            yield {**loop_row(fold), **candidate_row(candidate), "failure": None}
-        if fold.failure is not None:
-            yield {**loop_row(fold), "failure": fold.failure}
+def _has_records(given: Any) -> bool:
+    return callable(getattr(given, "records", None))
+
+
+def _rows(results: Iterable[Any]) -> Iterator[dict[str, Any]]:
+    for one in results:
+        if _has_records(one):
+            yield from one.records()
+        elif isinstance(one, LoopFold):
+            yield from _fold_rows(one)
+        else:
+            raise ValueError(f"`results` holds {shown(one)}; it must hold what fold or fill gives")
+
+
+def _fold_rows(fold: LoopFold) -> Iterator[dict[str, Any]]:
+    for candidate in fold.candidates:
+        yield {**loop_row(fold), **candidate_row(candidate), "failure": None}
+    if fold.failure is not None:
+        yield {**loop_row(fold), "failure": fold.failure}
 
 
 def _pandas() -> Any:

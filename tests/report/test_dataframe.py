@@ -3,6 +3,7 @@
 import csv
 import sys
 
+import gapped
 import numpy as np
 import pytest
 
@@ -55,3 +56,41 @@ def test_without_pandas_the_extra_is_named(folds, monkeypatch):
 def test_what_is_no_result_is_refused(results):
     with pytest.raises(ValueError, match="`results`"):
         le.to_dataframe(results)
+
+
+@pytest.fixture(scope="module")
+def filling(tmp_path_factory):
+    """One strand is filled, the bases of the other are not known."""
+    pytest.importorskip("rdkit")
+    atoms = [*gapped.chain({6, 7}), "TER", *gapped.chain({9}, name="B", moved=40.0)]
+    path = tmp_path_factory.mktemp("filling") / "ab.pdb"
+    return le.fill(gapped.pdb(path, atoms, head=gapped.seqres()))
+
+
+def test_a_filling_has_a_row_per_strand(filling):
+    pytest.importorskip("pandas")
+    table = le.to_dataframe(filling)
+    assert table["file"].tolist() == ["ab.pdb", "ab.pdb"]
+    assert table["chain"].tolist() == ["A", "B"]
+    assert table["first"].tolist() == ["6", "9"]
+    assert table["status"].tolist() == ["filled", "refused"]
+    assert table["sound"][0]
+    assert table["expected_rmsd_A"][0] == round(float(filling.strands[0].expected_rmsd_A[1]), 2)
+    assert np.isnan(table["expected_rmsd_A"][1])
+    assert "has no sequence" in table["reason"][1]
+
+
+def test_several_fillings_are_one_table(filling):
+    pytest.importorskip("pandas")
+    one = le.to_dataframe(filling)
+    table = le.to_dataframe([filling, filling])
+    assert list(table.columns) == list(one.columns)
+    assert len(table) == 4
+    assert len(le.to_dataframe(one for one in (filling,))) == 2
+
+
+def test_its_columns_are_those_of_a_run(filling):
+    pytest.importorskip("pandas")
+    from loopelastica.batch.fills import COLUMNS
+
+    assert [*le.to_dataframe(filling).columns, "folder"] == list(COLUMNS)

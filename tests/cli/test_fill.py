@@ -1,0 +1,351 @@
+"""The command `fill`, as a user meets it."""
+
+import csv
+import gzip
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import gapped
+import pytest
+from typer.testing import CliRunner
+
+from loopelastica.cli.app import app
+
+pytest.importorskip("rdkit")
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def run(*arguments):
+    result = CliRunner().invoke(app, ["fill", *(str(a) for a in arguments)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result
+
+
+def table(path):
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def results(out):
+    """What is in the folder of a run, tables aside."""
+    names = {p.relative_to(out).as_posix() for p in out.rglob("*") if p.is_file()}
+    return {n for n in names if not n.startswith(("summary.", "failures.csv", ".summary"))}
+
+
+def sentence(result):
+    lines = [line for line in result.stderr.splitlines() if line.strip() and "%|" not in line]
+    assert len(lines) == 1, lines
+    return lines[0]
+
+
+@pytest.fixture
+def out(tmp_path):
+    return tmp_path / "out"
+
+
+@pytest.mark.parametrize("kind", ["pdb", "cif"])
+def test_a_file_gets_a_folder_with_the_structure_and_its_record(tmp_path, out, kind):
+    file = tmp_path / f"a.{kind}"
+    (gapped.gapped if kind == "pdb" else gapped.gapped_cif)(file, {6, 7})
+    result = run(file, "-o", out)
+    assert result.exit_code == 0, result.output
+    assert result.stderr == ""
+    assert results(out) == {"a/fill.json", f"a/filled.{kind}"}
+    gapped.added_rows(file, out / "a" / f"filled.{kind}")
+    gapped.check_chain(gapped.read(out / "a" / f"filled.{kind}"))
+    (row,) = table(out / "summary.csv")
+    assert (row["file"], row["status"], row["folder"]) == (str(file), "filled", "a")
+    assert table(out / "failures.csv") == []
+    for text in ("A.6-7", "UU", "yes"):
+        assert text in result.stdout
+
+
+def test_compressed_input_is_written_plainly(tmp_path, out):
+    plain = gapped.gapped_cif(tmp_path / "a.cif", {7})
+    (tmp_path / "b.cif.gz").write_bytes(gzip.compress(plain.read_bytes()))
+    assert run(tmp_path / "b.cif.gz", "-o", out).exit_code == 0
+    assert results(out) == {"b/fill.json", "b/filled.cif"}
+    gapped.check_chain(gapped.read(out / "b" / "filled.cif"))
+
+
+def test_a_strand_is_named_with_its_sequence(tmp_path, out):
+    file = gapped.pdb(tmp_path / "a.pdb", gapped.chain({4, 6, 7, 8, 9}))
+    result = run(file, "--strand", "A.6-9=UUCG", "--strand", "A.4=A", "-o", out)
+    assert result.exit_code == 0, result.output
+    content = json.loads((out / "a" / "fill.json").read_text())
+    assert [(s["first"], s["sequence"]) for s in content["strands"]] == [("6", "UUCG"), ("4", "A")]
+    gapped.check_chain(gapped.read(out / "a" / "filled.pdb"))
+
+
+def test_further_candidates_are_files_of_their_own(tmp_path, out):
+    file = gapped.gapped(tmp_path / "a.pdb", {4, 5, 6, 7, 8, 9, 10})
+    assert run(file, "--candidates", 3, "-o", out).exit_code == 0
+    (strand,) = json.loads((out / "a" / "fill.json").read_text())["strands"]
+    n = len(strand["candidates"])
+    assert 1 < n <= 3
+    more = {f"a/filled_{k}.pdb" for k in range(2, n + 1)}
+    assert results(out) == {"a/fill.json", "a/filled.pdb", *more}
+    assert len(table(out / "summary.csv")) == 1
+
+
+def test_a_gap_without_a_sequence_is_refused_and_the_sentence_shows_the_way(tmp_path, out):
+    file = gapped.pdb(tmp_path / "a.pdb", gapped.chain({6, 7}))
+    result = run(file, "-o", out)
+    assert result.exit_code == 1
+    said = sentence(result)
+    assert said.startswith(f"{file}: A.6-7: ")
+    assert said.endswith("give the sequence as a strand, A.6-7=NN")
+    assert results(out) == {"a/fill.json"}
+    assert table(out / "failures.csv") == [{"file": str(file), "failure": said}]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        (("--strand", "A.6-7=XX"), "no base that can be built"),
+        (("--strand", "A.6-7="), "it must be like A.6-9 or A.6-9=UUCG"),
+        (("--strand", "hello"), "it must be like A.6-9 or A.6-9=UUCG"),
+        (("--strand", "A.7-6=UU"), "from 5' to 3'"),
+        (("--strand", "A.6-7=UU", "--strand", "A.7=U"), "overlap"),
+        (("--candidates", "0"), "--candidates"),
+        (("--candidates", "many"), "--candidates"),
+        (("--jobs", "0"), "--jobs"),
+        (("--jobs", "2", "--scheduler", "tcp://a:1"), "--jobs"),
+        (("--nonsense",), "--nonsense"),
+        (("--max-atoms", "0"), "--max-atoms"),
+    ],
+)
+def test_an_option_that_is_wrong_is_one_of_usage_and_nothing_is_written(
+    tmp_path, out, arguments, fragment
+):
+    file = gapped.gapped(tmp_path / "a.pdb", {6, 7})
+    result = run(file, *arguments, "-o", out)
+    assert result.exit_code == 2
+    # in a frame that wraps lines
+    said = " ".join(result.stderr.replace("│", " ").split())
+    assert fragment in said
+    assert "`" not in said
+    assert not out.exists()
+
+
+def test_no_file_at_all_is_one_of_usage(out):
+    assert run("-o", out).exit_code == 2
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("strand", "fragment"),
+    [
+        ("A.6-7=UUU", "the numbers say 2 nt, and the sequence has 3"),
+        ("B.6-7=UU", "there is no chain B of nucleotides; there is A"),
+        ("A.6=U", "A.7 beside it is not in the file"),
+        ("A.90-91=UU", "chain A runs from A.G1 to A.C14"),
+    ],
+)
+def test_a_strand_that_contradicts_the_file_is_a_sentence_and_no_folder(
+    tmp_path, out, strand, fragment
+):
+    file = gapped.pdb(tmp_path / "a.pdb", gapped.chain({6, 7}))
+    result = run(file, "--strand", strand, "-o", out)
+    assert result.exit_code == 1
+    said = sentence(result)
+    assert said.startswith(f"{file}: --strand {strand}: ")
+    assert fragment in said
+    assert results(out) == set()
+
+
+def test_every_bad_file_is_one_sentence_and_the_good_ones_are_filled(tmp_path, out):
+    good = [gapped.gapped(tmp_path / name, {7}) for name in ("a.pdb", "z.pdb")]
+    contents = {
+        "empty.pdb": b"",
+        "empty.cif": b"",
+        "noise.pdb": bytes(range(256)) * 10,
+        "cut.cif.gz": gzip.compress(gapped.TEXT.encode())[:2000],
+        "protein.pdb": b"ATOM      1  CA  ALA A   1      11.104   6.134  -6.504  1.00  0.00\nEND\n",
+        "other.xyz": b"1\n\nC 0 0 0\n",
+    }
+    for name, content in contents.items():
+        (tmp_path / name).write_bytes(content)
+    (tmp_path / "folder.pdb").mkdir()
+    bad = [tmp_path / name for name in (*contents, "folder.pdb", "absent.pdb")]
+    result = run(good[0], *bad, good[1], "-o", out)
+    assert result.exit_code == 1
+    assert "Traceback" not in result.output
+    failures = table(out / "failures.csv")
+    assert [row["file"] for row in failures] == [str(path) for path in bad]
+    assert all(row["failure"].startswith(f"{row['file']}: ") for row in failures)
+    assert results(out) == {f"{k}/{n}" for k in "az" for n in ("fill.json", "filled.pdb")}
+    assert [row["file"] for row in table(out / "summary.csv")] == [str(path) for path in good]
+
+
+def test_missing_ends_alone_are_named_and_no_failure(tmp_path, out):
+    result = run(gapped.gapped(tmp_path / "a.pdb", {1, 2, 14}), "-o", out)
+    assert result.exit_code == 0
+    notes = [line for line in result.stdout.splitlines() if line.startswith("note: ")]
+    assert len(notes) == 3
+    assert "A.1-2 (GG)" in notes[0]
+    assert "A.14 (C)" in notes[1]
+    assert "nothing to fill" in notes[2]
+    assert "┏" not in result.stdout
+    assert results(out) == {"a/fill.json"}
+
+
+def test_what_was_completed_is_told(tmp_path, out):
+    result = run(gapped.gapped(tmp_path / "a.pdb", {(11, "N3"), (11, "C4")}), "-o", out)
+    assert result.exit_code == 0
+    assert "missing atoms were added to A.U11" in result.stdout
+    assert results(out) == {"a/fill.json", "a/filled.pdb"}
+
+
+def test_the_second_run_resumes(tmp_path, out):
+    files = [gapped.gapped(tmp_path / f"{k}.pdb", {7}) for k in "ab"]
+    first = run(*files, "-o", out)
+    tables = [(out / name).read_bytes() for name in ("summary.csv", "failures.csv")]
+    again = run(*files, "-o", out)
+    assert "2 files (0 were done before)" in first.stdout
+    assert "2 files (2 were done before)" in again.stdout
+    assert [(out / name).read_bytes() for name in ("summary.csv", "failures.csv")] == tables
+
+
+def test_a_file_where_the_folder_should_be_is_one_sentence(tmp_path):
+    file = gapped.gapped(tmp_path / "a.pdb", {7})
+    (tmp_path / "taken").write_text("mine")
+    for place in (tmp_path / "taken", tmp_path / "taken" / "out"):
+        result = run(file, "-o", place)
+        assert result.exit_code == 1
+        assert str(place) in sentence(result)
+    assert (tmp_path / "taken").read_text() == "mine"
+
+
+def test_a_folder_that_takes_nothing_is_one_sentence(tmp_path):
+    result = run(gapped.gapped(tmp_path / "a.pdb", {7}), "-o", "/proc/nothing")
+    assert result.exit_code == 1
+    assert "/proc/nothing" in sentence(result)
+
+
+def test_a_users_own_files_stay(tmp_path, out):
+    file = gapped.gapped(tmp_path / "a.pdb", {7})
+    (out / "a").mkdir(parents=True)
+    for name in ("notes.txt", "a/notes.txt"):
+        (out / name).write_text("mine")
+    assert run(file, "-o", out).exit_code == 0
+    assert run(file, "--candidates", 2, "-o", out).exit_code == 0
+    for name in ("notes.txt", "a/notes.txt"):
+        assert (out / name).read_text() == "mine"
+
+
+def test_a_table_of_somebody_else_is_left_alone(tmp_path, out):
+    out.mkdir()
+    (out / "summary.csv").write_text("mine\n")
+    result = run(gapped.gapped(tmp_path / "a.pdb", {7}), "-o", out)
+    assert result.exit_code == 1
+    assert str(out / "summary.csv") in sentence(result)
+    assert {p.name for p in out.iterdir()} == {"summary.csv"}
+
+
+def test_results_beside_the_input_touch_no_input(tmp_path, monkeypatch):
+    file = gapped.gapped(tmp_path / "filled.pdb", {7})
+    before = file.read_bytes()
+    monkeypatch.chdir(tmp_path)
+    assert run("filled.pdb", "-o", ".").exit_code == 0
+    assert file.read_bytes() == before
+    assert table(tmp_path / "summary.csv")[0]["file"] == "filled.pdb"
+    assert (tmp_path / "filled" / "filled.pdb").is_file()
+
+
+def test_the_table_fits_eighty_columns(tmp_path, out):
+    from rich.console import Console
+
+    from loopelastica.report.tables import fill_table
+
+    atoms = [*gapped.chain({6, 7}), "TER", *gapped.chain({9}, name="B", moved=40.0)]
+    run(gapped.pdb(tmp_path / "a.pdb", atoms, head=gapped.seqres()), "-o", out)
+    rows = table(out / "summary.csv")
+    for row in rows:
+        for name in ("expected_10_A", "expected_rmsd_A", "expected_90_A"):
+            row[name] = float(row[name]) if row[name] else None
+        row["sound"] = {"True": True, "False": False, "": None}[row["sound"]]
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(fill_table(rows, out))
+    lines = console.export_text().splitlines()
+    assert max(map(len, lines)) <= 80
+    assert any("A.6-7" in line and "UU" in line and "yes" in line for line in lines)
+    assert any("B.9" in line and "refused" in line for line in lines)
+
+
+def test_the_help_says_what_it_does():
+    result = CliRunner().invoke(app, ["fill", "--help"])
+    assert result.exit_code == 0
+    for text in ("internal gap", "--strand", "--candidates", "--jobs", "A.6-9=UUCG"):
+        assert text in " ".join(result.stdout.split())
+
+
+# --- runs that are stopped ------------------------------------------------------------------------
+
+
+def started(*arguments):
+    return subprocess.Popen(
+        [sys.executable, "-m", "loopelastica", "fill", *map(str, arguments)],
+        cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+    )  # fmt: skip
+
+
+def wait_for(process, journal, lines):
+    deadline = time.monotonic() + 240
+    while process.poll() is None and time.monotonic() < deadline:
+        if journal.exists() and journal.read_bytes().count(b"\n") > lines:
+            return
+        time.sleep(0.01)
+
+
+@pytest.fixture
+def forty(tmp_path):
+    return [gapped.gapped(tmp_path / f"copy{k}.pdb", {7}) for k in range(40)]
+
+
+@pytest.mark.slow
+def test_an_interrupted_run_says_what_is_done_and_goes_on(forty, out):
+    process = started(*forty, "-o", out)
+    wait_for(process, out / ".summary.journal", 3)
+    os.killpg(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 130
+    said = errors.decode()
+    assert "Traceback" not in said
+    assert "of 40 files are done and kept, and the same command goes on from there" in said
+    assert {p.name for p in out.iterdir() if p.name.startswith(".copy")} == set()
+    done = len(table(out / "summary.csv"))
+    assert 2 <= done < 40
+    again = run(*forty, "-o", out)
+    assert again.exit_code == 0
+    assert any(f"({k} were done before)" in again.stdout for k in (done, done + 1))
+    assert len(table(out / "summary.csv")) == 40
+
+
+@pytest.mark.slow
+def test_a_killed_run_resumes_to_the_same_tables(forty, out, tmp_path):
+    process = started(*forty, "-o", out)
+    wait_for(process, out / ".summary.journal", 5)
+    process.kill()
+    process.communicate(timeout=120)
+    assert run(*forty, "-o", out).exit_code == 0
+    assert run(*forty, "-o", tmp_path / "calm").exit_code == 0
+    for name in ("summary.csv", "failures.csv"):
+        assert (out / name).read_bytes() == (tmp_path / "calm" / name).read_bytes()
+    assert results(out) == results(tmp_path / "calm")
+
+
+@pytest.mark.slow
+def test_two_jobs_and_their_resumption_write_the_tables_of_one(forty, out, tmp_path):
+    pytest.importorskip("distributed")
+    assert run(*forty[:4], "-o", tmp_path / "one").exit_code == 0
+    assert run(*forty[:2], "--jobs", 2, "-o", out).exit_code == 0
+    assert run(*forty[:4], "--jobs", 2, "-o", out).exit_code == 0
+    for name in ("summary.csv", "failures.csv"):
+        assert (out / name).read_bytes() == (tmp_path / "one" / name).read_bytes()

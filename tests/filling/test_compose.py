@@ -1,0 +1,71 @@
+"""What the filled file says of itself."""
+
+import math
+
+import gapped
+import pytest
+
+import loopelastica as le
+from loopelastica.filling.compose import B_MAX_A2, b_factor, changes_of
+
+pytest.importorskip("rdkit")
+
+
+def remarks(text):
+    return " ".join(
+        line[11:].strip() for line in text.splitlines() if line.startswith("REMARK  99")
+    )
+
+
+def test_the_b_factor_is_that_of_an_error():
+    # mean square displacement along one axis is B over 8π², and an error has three axes
+    for error in (0.5, 1.0, 2.0):
+        assert b_factor(error) / (8 * math.pi**2) == pytest.approx(error**2 / 3)
+    assert b_factor(0.0) == 0.0
+    assert b_factor(50.0) == B_MAX_A2
+    assert len(f"{b_factor(50.0):6.2f}") == 6
+
+
+def test_the_file_says_what_was_modelled_from_what_and_how_well(tmp_path):
+    path = gapped.gapped(tmp_path / "a.pdb", {6, 7, (11, "N3")})
+    filling = le.fill(path)
+    said = remarks(filling.text())
+    assert f"loopelastica {le.__version__} modelled" in said
+    assert "a.pdb" in said
+    assert filling.sha256 in said.replace(" ", "")
+    assert "A.6-7 UU" in said
+    assert "expected error" in said
+    assert "A.U11" in said
+
+
+def test_a_strand_that_was_not_filled_is_named_in_a_file_with_others(tmp_path):
+    atoms = [*gapped.chain({6, 7}), "TER", *gapped.chain({9}, name="B", moved=40.0)]
+    filling = le.fill(gapped.pdb(tmp_path / "a.pdb", atoms, head=gapped.seqres()))
+    assert "B.9 N: not filled" in remarks(filling.text())
+
+
+def test_a_file_of_which_nothing_was_filled_stays_as_it_is(tmp_path):
+    path = gapped.pdb(tmp_path / "a.pdb", gapped.chain({6, 7}))
+    filling = le.fill(path)
+    assert not changes_of(filling)
+    assert filling.text() == path.read_text()
+    assert filling.write(tmp_path / "b.pdb").read_text() == path.read_text()
+
+
+def test_a_modified_nucleotide_gets_the_name_of_what_was_built(tmp_path):
+    head = gapped.seqres()
+    head = [head[0][:39] + "PSU" + head[0][42:], *head[1:]]
+    filling = le.fill(gapped.pdb(tmp_path / "a.pdb", gapped.chain({6, 7}), head=head))
+    (strand,) = filling.strands
+    assert strand.sequence == "UU"
+    assert any("A.PSU6 is built as its parent base, U" in one for one in strand.remarks)
+    structure = gapped.read(filling.write(tmp_path / "filled.pdb"))
+    assert [r.name for r in gapped.neighbours(structure)[5:7]] == ["U", "U"]
+
+
+def test_atoms_are_added_in_the_right_model(tmp_path):
+    models = [gapped.chain(), gapped.chain({6, 7}, model=2)]
+    path = gapped.pdb(tmp_path / "a.pdb", *models, head=gapped.seqres())
+    changes = changes_of(le.fill(path))
+    assert {one.model for one in changes.added} == {1}
+    assert [one.after for one in changes.added] == [("A", 5, ""), ("A", 6, "")]
