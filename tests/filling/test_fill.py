@@ -439,6 +439,17 @@ def test_a_record_that_is_too_short_for_the_numbers_and_the_distance_is_refused(
     assert strand.status == "refused"
 
 
+@pytest.mark.xfail(
+    strict=True, reason="where the numbers do not jump, a contradiction is a remark and no refusal"
+)
+def test_a_broken_bond_in_a_chain_that_contradicts_its_record_is_refused(tmp_path):
+    places = [(k if k < 6 else k - 2, "") for k in range(1, 15)]
+    atoms = gapped.chain({6, 7}, places=places)
+    head = gapped.seqres("GGCAGUUCGGUGCC")
+    filling = le.fill(gapped.pdb(tmp_path / "a.pdb", atoms, head=head))
+    assert [strand.status for strand in filling.strands] == ["refused"]
+
+
 def test_a_gap_that_cannot_be_spanned_is_refused_with_both_distances(tmp_path):
     path = gapped.pdb(tmp_path / "a.pdb", far(gapped.chain({6, 7})), head=gapped.seqres())
     (strand,) = le.fill(path).strands
