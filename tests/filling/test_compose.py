@@ -69,3 +69,21 @@ def test_atoms_are_added_in_the_right_model(tmp_path):
     changes = changes_of(le.fill(path))
     assert {one.model for one in changes.added} == {1}
     assert [one.after for one in changes.added] == [("A", 5, ""), ("A", 6, "")]
+
+
+def test_the_categories_of_an_mmcif_file_follow(tmp_path):
+    from gemmi import cif
+
+    filling = le.fill(gapped.gapped_cif(tmp_path / "a.cif", {6, 7}))
+    block = cif.read_string(filling.text()).sole_block()
+    assert len(block.find("_pdbx_unobs_or_zero_occ_residues.", ["auth_seq_id"])) == 0
+    scheme = block.find("_pdbx_poly_seq_scheme.", ["seq_id", "auth_seq_num", "pdb_mon_id"])
+    rows = {row[0]: (row[1], row[2]) for row in scheme}
+    assert rows["6"] == ("6", "U")
+    assert rows["7"] == ("7", "U")
+    assert "loopelastica" in list(block.find_values("_software.name"))
+    remarks = [cif.as_string(text) for text in block.find_values("_database_PDB_remark.text")]
+    assert any("A.6-7 UU" in text for text in remarks)
+    table = block.find("_atom_site.", ["label_seq_id", "auth_seq_id", "label_comp_id"])
+    built = {tuple(row) for row in table if row[0] in ("6", "7")}
+    assert built == {("6", "6", "U"), ("7", "7", "U")}

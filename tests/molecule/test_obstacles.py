@@ -63,6 +63,18 @@ def test_all_but_waters_ions_and_its_own_atoms_stand_in_its_way(seen):
     assert not found & {"A.C5", "A.U6", "A.C8", "L.HOH2", "L.MG3", "L.FAR4"}
 
 
+@pytest.mark.xfail(strict=True, reason="a residue of one atom is taken for an ion whatever it is")
+def test_a_chain_of_single_atoms_stands_in_the_way(seen, tmp_path):
+    _, ends, _ = seen
+    middle = (ends.start_origin_A + ends.end_origin_A) / 2
+    trace = hetero("ALA", 1, [("CA", "C", middle)]) + hetero("ALA", 2, [("CA", "C", middle + 2.0)])
+    atoms = [*gapped.chain({6, 7}), "TER", *trace]
+    entry = read_entry(gapped.pdb(tmp_path / "a.pdb", atoms, head=gapped.seqres()))
+    (gap,) = find_gaps(entry).gaps
+    found = heavy_atoms(entry)
+    assert {"L.ALA1", "L.ALA2"} <= labels(found, obstacles(gap, strand_ends(gap), found))
+
+
 def test_no_atom_that_a_line_can_come_near_is_left_out(seen):
     gap, ends, atoms = seen
     rows = set(obstacles(gap, ends, atoms).tolist())
