@@ -37,6 +37,12 @@ from loopelastica.molecule.strands import ideal_strand
 from loopelastica.molecule.surroundings import heavy_atoms, symmetry_mates
 from loopelastica.report.compose import Removed
 
+SPARE: Final = 4
+"""Lines that are tried where no model on the first one is sound."""
+LONGER: Final = (1.15, 1.3)
+"""Then the first line of longer rods is: times their length."""
+MAX_SECONDS: Final = 10.0
+"""Time after which no more is tried on one line."""
 MATE_A: Final = 3.0
 """Mates in the crystal nearer than this are told."""
 MANY: Final = 3
@@ -156,12 +162,30 @@ def strand_models(
     StructureError
         If no line was found, or a base is unknown.
     """
+    lines = strand_lines(gap, ends, atoms, max(most, SPARE))
+    models = [(line, _on(line, gap, atoms)) for line in lines[:most]]
+    if not any(model.checks.sound for _, model in models):
+        for line in _others(lines[most:], gap, ends, atoms):
+            models.append((line, _on(line, gap, atoms)))
+            if models[-1][1].checks.sound:
+                break
+    return sorted(models, key=lambda pair: not pair[1].checks.sound)[:most]
+
+
+def _others(
+    left: Sequence[StrandLine], gap: Gap, ends: StrandEnds, atoms: HeavyAtoms
+) -> Iterator[StrandLine]:
+    """Lines to be tried where no model on the first ones is sound: other minima, longer rods."""
+    yield from left
+    for factor in LONGER:
+        yield strand_lines(gap, replace(ends, length_A=factor * ends.length_A), atoms)[0]
+
+
+def _on(line: StrandLine, gap: Gap, atoms: HeavyAtoms) -> StrandModel:
+    """Atoms on a line."""
     is_dna = sum(monomer.is_dna for monomer in gap.monomers) > len(gap) / 2
-    models = []
-    for line in strand_lines(gap, ends, atoms, most):
-        between = Line.between(line.rod, ends, ideal_strand(is_dna))
-        models.append((line, build_strand(gap, _InFile(between, ends), atoms)))
-    return sorted(models, key=lambda pair: not pair[1].checks.sound)
+    between = Line.between(line.rod, line.ends, ideal_strand(is_dna))
+    return build_strand(gap, _InFile(between, line.ends), atoms, max_seconds=MAX_SECONDS)
 
 
 class _Filler:

@@ -19,6 +19,7 @@ import numpy as np
 from loopelastica._arrays import Record
 from loopelastica.errors import StructureError
 from loopelastica.molecule.chains import Chain, bond_A, called, chains_of, joined
+from loopelastica.molecule.components import is_standard
 from loopelastica.molecule.entry import Entry
 from loopelastica.molecule.flanks import gap_between, missing_atoms
 from loopelastica.molecule.nucleotides import enumerated
@@ -279,7 +280,9 @@ def _unlisted(chain: Chain, first: Monomer, second: Monomer) -> Refusal:
 def _incomplete(slots: Sequence[Monomer]) -> Iterator[Incomplete]:
     for k, one in enumerate(slots):
         at_5 = k == 0 or not slots[k - 1].atoms_A
-        if one.atoms_A and (lacking := missing_atoms(one, at_5)):
+        # what a modified nucleotide should have is not known, only what its parent has
+        known = is_standard(one.resname)
+        if known and one.atoms_A and (lacking := missing_atoms(one, at_5)):
             yield Incomplete(one, tuple(lacking))
 
 
