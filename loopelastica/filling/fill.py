@@ -20,7 +20,15 @@ from loopelastica.atoms.carry import Line
 from loopelastica.atoms.strand import StrandModel, build_strand
 from loopelastica.errors import StructureError
 from loopelastica.filling.options import FillOptions
-from loopelastica.filling.result import Completion, FilledCandidate, FilledStrand, Filling
+from loopelastica.filling.repair import Mender
+from loopelastica.filling.result import (
+    Completion,
+    FilledCandidate,
+    FilledStrand,
+    Filling,
+    Repair,
+    waters_of,
+)
 from loopelastica.folding.expected import expected_rmsd
 from loopelastica.folding.line import NEAR_A, StrandLine, strand_lines
 from loopelastica.folding.options import keywords
@@ -41,7 +49,7 @@ from loopelastica.report.compose import Removed
 def fill(structure: Any, options: FillOptions) -> Filling:
     """Fill the internal gaps of DNA and RNA chains with all their atoms.
 
-    No atom that is there moves.
+    No atom that is there moves, unless `repair` is set.
 
     Parameters
     ----------
@@ -81,9 +89,14 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
     """
     strands: list[FilledStrand] = []
     completions: list[Completion] = []
+    repairs: list[Repair] = []
     remarks: list[str] = []
+    unrepaired: list[str] = []
     for model in range(entry.n_models):
         filler = _Filler(entry, model, options)
+        if options.repair:
+            repairs += filler.repairs()
+            unrepaired += filler.unrepaired
         strands += filler.strands()
         completions += filler.completions()
         remarks += filler.remarks
@@ -92,10 +105,12 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
         strands=tuple(strands),
         options=options,
         completed=tuple(dict.fromkeys(_completed(strands, completions))),
-        repaired=(),
+        repaired=tuple(_in_model(repair.model, str(repair), entry) for repair in repairs),
         remarks=tuple(dict.fromkeys(remarks)),
         entry=entry,
         completions=tuple(completions),
+        repairs=tuple(repairs),
+        unrepaired=tuple(unrepaired),
     )
 
 
@@ -132,16 +147,32 @@ def strand_models(
     return sorted(models, key=lambda pair: not pair[1].checks.sound)
 
 
+def _on_rod(gap: Gap, atoms: HeavyAtoms) -> StrandModel:
+    """The first model of a strand."""
+    return strand_models(gap, strand_ends(gap), atoms)[0][1]
+
+
 class _Filler:
     """One model of an entry; its atoms grow with every strand."""
 
     def __init__(self, entry: Entry, model: int, options: FillOptions) -> None:
-        self.model, self.options = model, options
+        self.entry, self.model, self.options = entry, model, options
         self.found = find_gaps(entry, model, options.strands)
         replaced = {m.label for gap in self.found.gaps for m in gap.replaces}
         self.atoms = without(heavy_atoms(entry, model), replaced)
         self.built: dict[str, Monomer] = {}
+        self.unrepaired: list[str] = []
         self.remarks = [*self.found.remarks, *map(str, self.found.tails)]
+
+    def repairs(self) -> tuple[Repair, ...]:
+        """What is broken, built anew; what is to be filled anyway is left to that."""
+        filled = {m.label for gap in self.found.gaps for m in (*gap.monomers, *gap.replaces)}
+        chains = self.found.chains
+        mender = Mender(self.entry, self.model, chains, self.atoms, filled, _on_rod)
+        self.atoms = mender.atoms
+        self.built |= {one.label: one for repair in mender.repairs for one in repair.now}
+        self.unrepaired = [_in_model(self.model + 1, left, self.entry) for left in mender.left]
+        return tuple(mender.repairs)
 
     def strands(self) -> Iterator[FilledStrand]:
         """Every gap, filled or refused, gaps first."""
@@ -157,6 +188,8 @@ class _Filler:
     def completions(self) -> Iterator[Completion]:
         """Nucleotides beside no gap, with the atoms that they lacked."""
         for monomer, missing in self.found.incomplete:
+            if set(missing) <= set(self.built.get(monomer.label, monomer).atoms_A):
+                continue
             gap = around(self.found.chains, monomer)
             if gap is None:
                 self.remarks.append(
@@ -166,7 +199,7 @@ class _Filler:
                 continue
             try:
                 gap = self._with_built(gap)
-                ((_, model),) = strand_models(gap, strand_ends(gap), self.atoms)
+                model = _on_rod(gap, self.atoms)
             except StructureError as error:
                 self.remarks.append(str(error))
                 continue
@@ -180,7 +213,13 @@ class _Filler:
         crowded = crowding(ends, self.atoms.positions_A[obstacles(gap, ends, self.atoms)])
         models = strand_models(gap, ends, self.atoms, self.options.candidates)
         candidates = tuple(
-            FilledCandidate(rank, line, model, expected_rmsd(line, crowded), self._waters(model))
+            FilledCandidate(
+                rank,
+                line,
+                model,
+                expected_rmsd(line, crowded),
+                waters_of(model, self.atoms, self.model),
+            )
             for rank, (line, model) in enumerate(models, start=1)
         )
         self._grown(candidates[0].atoms)
@@ -227,24 +266,20 @@ class _Filler:
             beyond_3=now(gap.beyond_3),
         )
 
-    def _waters(self, model: StrandModel) -> tuple[Removed, ...]:
-        """The waters that give way to a model."""
-        out = []
-        for row in model.waters:
-            chain, number, icode, name = self.atoms.places[self.atoms.residue[row]]
-            x, y, z = (float(value) for value in self.atoms.positions_A[row])
-            out.append(Removed(self.model, chain, number, icode, name, at_A=(x, y, z)))
-        return tuple(out)
-
     def _grown(self, model: StrandModel) -> tuple[Removed, ...]:
         """Put what was built among the atoms; the waters that have given way."""
-        waters = self._waters(model)
+        waters = waters_of(model, self.atoms, self.model)
         for residue in model.residues:
             one = residue.monomer
             new = dict(zip(residue.names, residue.positions_A, strict=True))
             self.built[one.label] = replace(one, atoms_A={**one.atoms_A, **new})
         self.atoms = self.atoms.grown(model.residues, model.waters)
         return waters
+
+
+def _in_model(model: int, sentence: str, entry: Entry) -> str:
+    """A sentence that says which model it is about, where there are several."""
+    return f"model {model}: {sentence}" if entry.n_models > 1 else sentence
 
 
 def without(atoms: HeavyAtoms, labels: Collection[str]) -> HeavyAtoms:
