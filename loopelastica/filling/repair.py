@@ -16,7 +16,7 @@ from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.chemistry import Residue, atom_names
@@ -27,15 +27,18 @@ from loopelastica.filling.rigid import moved_back
 from loopelastica.molecule.chains import Chain, bonded, neighbours
 from loopelastica.molecule.components import BASES, PHOSPHATE, is_standard
 from loopelastica.molecule.entry import Entry
-from loopelastica.molecule.faults import Fault, broken_or_strained, find_faults, strain_A
+from loopelastica.molecule.faults import CLOSE_A, Fault, broken_or_strained, find_faults, strain_A
 from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
 from loopelastica.report.changes import Removed
 
 LONGEST: Final = 8
 """Nucleotides of the longest stretch that is tried."""
+LONGEST_END: Final = 3
+"""Nucleotides of the longest end of a chain that is taken to have moved."""
 EVERYWHERE: Final = 3
 """Up to this length a stretch is tried at every place, longer ones where the fault is central."""
 MAX_SECONDS: Final = 10.0
+Index = NDArray[np.int64]
 Positions = Mapping[str, Mapping[str, Array]]
 
 
@@ -88,8 +91,11 @@ class Mender:
 
     def _mend(self, chain: Chain) -> None:
         faults = find_faults(chain)
-        for first, last in _islands(chain, faults):
-            chain, faults = self._tried(chain, faults, first, last, shifted=True) or (chain, faults)
+        for shifted in (_islands, self._loose_ends):
+            tried: set[tuple[int, int]] = set()
+            while new := [one for one in shifted(chain, faults) if one not in tried]:
+                tried.add(new[0])
+                chain, faults = self._tried(chain, faults, *new[0], shifted=True) or (chain, faults)
         given_up: set[object] = set()
         while waiting := [fault for fault in faults if fault.key not in given_up]:
             fault = waiting[0]
@@ -100,6 +106,18 @@ class Mender:
             else:
                 given_up.add(fault.key)
         self.left += (f"{fault}; not mended, {_why_not(chain, fault)}" for fault in faults)
+
+    def _loose_ends(self, chain: Chain, faults: Sequence[Fault]) -> Iterator[tuple[int, int]]:
+        """Short stretches between a broken bond and an open end that run into something."""
+        slots = chain.slots
+        for k in sorted(_broken(faults)):
+            for n in range(1, LONGEST_END + 1):
+                for first, last in ((k - n + 1, k), (k + 1, k + n)):
+                    if not (first >= 0 and last < len(slots)):
+                        continue
+                    end = first if last == k else last + 1
+                    if _open(chain, end) and self._runs_into(slots, first, last):
+                        yield first, last
 
     def _tried(
         self, chain: Chain, faults: list[Fault], first: int, last: int, shifted: bool = False
@@ -128,6 +146,20 @@ class Mender:
                 return changed, left
         return None
 
+    def _runs_into(self, slots: Sequence[Monomer], first: int, last: int) -> bool:
+        """Whether a stretch lies on atoms that are neither its own nor its neighbours'."""
+        from scipy.spatial import cKDTree
+
+        stretch, atoms = slots[first : last + 1], self.atoms
+        if not all(map(_buildable, stretch)):
+            return False
+        own = {one.label for one in slots[max(first - 1, 0) : last + 2]}
+        others = ~np.isin(atoms.residue, [k for k, x in enumerate(atoms.labels) if x in own])
+        others &= ~atoms.water & ~atoms.metal
+        here = [at for one in stretch for at in one.atoms_A.values()]
+        near = cKDTree(here).query(atoms.positions_A[others], distance_upper_bound=CLOSE_A)[0]
+        return bool(np.isfinite(near).any())
+
 
 def _hits(fault: Fault, first: int, last: int) -> bool:
     return any(first <= place <= last for place in fault.places)
@@ -152,25 +184,33 @@ def _open(chain: Chain, k: int) -> bool:
 
 def _islands(chain: Chain, faults: Sequence[Fault]) -> Iterator[tuple[int, int]]:
     """Stretches between two junctions that are broken or strained, one broken at least."""
-    slots = chain.slots
-    broken = {f.places[0] for f in faults if f.kind == "bond" and len(f.places) == 2}
+    slots, broken = chain.slots, _broken(faults)
     if not broken:
         return
     ends = [
         k
-        for k, (one, two) in enumerate(pairwise(slots))
-        if neighbours(chain, one, two) and (k in broken or broken_or_strained(one, two))
+        for k in range(len(slots) - 1)
+        if not _open(chain, k + 1) and (k in broken or broken_or_strained(*slots[k : k + 2]))
     ]
     for before, last in pairwise(ends):
-        whole = all(_buildable(one) for one in slots[before + 1 : last + 1])
-        if last - before <= LONGEST and broken & {before, last} and whole:
+        whole = all(map(_buildable, slots[before + 1 : last + 1]))
+        joined = not any(_open(chain, k) for k in range(before + 2, last + 1))
+        if last - before <= LONGEST and broken & {before, last} and whole and joined:
             yield before + 1, last
+
+
+def _broken(faults: Sequence[Fault]) -> set[int]:
+    """Nucleotides with a broken bond to the next one."""
+    return {f.places[0] for f in faults if f.kind == "bond" and len(f.places) == 2}
 
 
 def _stretches(chain: Chain, faults: Sequence[Fault], fault: Fault) -> Iterator[tuple[int, int]]:
     """Where a fault may be mended: short stretches first, of one length those that mend most."""
     slots = chain.slots
     middle = sum(fault.places) / len(fault.places)
+    opened = [k for k in range(len(slots) + 1) if _open(chain, k)]
+    left = max(k for k in opened if k <= middle)
+    right = min(k for k in opened if k > middle)
     for n in range(1, LONGEST + 1):
         found = []
         for place in fault.places:
@@ -184,7 +224,9 @@ def _stretches(chain: Chain, faults: Sequence[Fault], fault: Fault) -> Iterator[
         hits = {k: sum(_hits(f, k, k + n - 1) for f in faults) for k in found}
         strain = {k: sum(map(strain_A, slots[k : k + n])) for k in hits}
         off = {k: abs(k + 0.5 * (n - 1) - middle) for k in hits}
-        order = sorted(hits, key=lambda k: (-hits[k], -round(strain[k], 2), off[k], k))
+        # what is nearer to an end of the chain is more likely to be what has moved
+        end = {k: min(k - left, right - k - n) for k in hits}
+        order = sorted(hits, key=lambda k: (-hits[k], -round(strain[k], 2), off[k], end[k], k))
         for first in order if n <= EVERYWHERE else order[:2]:
             yield first, first + n - 1
 
@@ -210,7 +252,8 @@ def _attempts(
         phosphate = {x: at for x, at in there[0].atoms_A.items() if x in (*PHOSPHATE, "OP3")}
         whole[0] = replace(whole[0], atoms_A=phosphate)
     if shifted:
-        back = moved_back(chain.slots[first - 1], there, chain.slots[last + 1])
+        before, after = _flanks(chain, first, last)
+        back = moved_back(before, there, after)
         if back is not None:
             yield _gap(chain, first, last, whole), back
         return
@@ -280,7 +323,7 @@ def _gap(chain: Chain, first: int, last: int, monomers: Sequence[Monomer]) -> Ga
     )
 
 
-def _rows(atoms: HeavyAtoms, there: Sequence[Monomer], kept: Sequence[Monomer]) -> Array:
+def _rows(atoms: HeavyAtoms, there: Sequence[Monomer], kept: Sequence[Monomer]) -> Index:
     """Rows of the atoms of a stretch that are not kept."""
     out = []
     for one, stays in zip(there, kept, strict=True):

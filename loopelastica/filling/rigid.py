@@ -20,14 +20,14 @@ FITS_A: Final = 0.4
 
 
 def moved_back(
-    before: Monomer, stretch: Sequence[Monomer], after: Monomer
+    before: Monomer | None, stretch: Sequence[Monomer], after: Monomer | None
 ) -> Mapping[str, Mapping[str, Array]] | None:
     """Where the atoms of a stretch are after the least motion that joins it to both sides.
 
     Parameters
     ----------
-    before, after : Monomer
-        Its neighbours.
+    before, after : Monomer or None
+        Its neighbours; None at an end of the chain.
     stretch : sequence of Monomer
         5' to 3'.
 
@@ -48,12 +48,12 @@ def moved_back(
         return dict(zip(one.atoms_A, at, strict=True))
 
     def misfits(motion: Array) -> Array:
-        return np.concatenate(
-            [
-                junction_errors(before.atoms_A, placed(stretch[0], motion)),
-                junction_errors(placed(stretch[-1], motion), after.atoms_A),
-            ]
-        )
+        found = []
+        if before is not None:
+            found.append(junction_errors(before.atoms_A, placed(stretch[0], motion)))
+        if after is not None:
+            found.append(junction_errors(placed(stretch[-1], motion), after.atoms_A))
+        return np.concatenate(found)
 
     def residuals(motion: Array) -> Array:
         prior = motion / np.repeat([SHIFT_SD_A, TURN_SD], 3)
