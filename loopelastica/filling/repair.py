@@ -176,7 +176,9 @@ def _buildable(one: Monomer) -> bool:
 def _open(chain: Chain, k: int) -> bool:
     """Whether nothing is joined to nucleotide k on its 5' side: an end, or something missing."""
     slots = chain.slots
-    return not 0 < k < len(slots) or not neighbours(chain, slots[k - 1], slots[k])
+    if not 0 < k < len(slots) or not (slots[k - 1].usable and slots[k].usable):
+        return True
+    return not neighbours(chain, slots[k - 1], slots[k])
 
 
 # --- which stretch --------------------------------------------------------------------------------
@@ -195,7 +197,10 @@ def _islands(chain: Chain, faults: Sequence[Fault]) -> Iterator[tuple[int, int]]
     for before, last in pairwise(ends):
         whole = all(map(_buildable, slots[before + 1 : last + 1]))
         joined = not any(_open(chain, k) for k in range(before + 2, last + 1))
-        if last - before <= LONGEST and broken & {before, last} and whole and joined:
+        # what is broken in itself is not shifted alone
+        inside = any(len(f.places) == 1 and before < f.places[0] <= last for f in faults)
+        whole = whole and joined and not inside
+        if last - before <= LONGEST and broken & {before, last} and whole:
             yield before + 1, last
 
 
@@ -218,8 +223,7 @@ def _stretches(chain: Chain, faults: Sequence[Fault], fault: Fault) -> Iterator[
                 stretch = slots[first : first + n]
                 joined = not any(_open(chain, k) for k in range(first + 1, first + n))
                 flanks = _flanks(chain, first, first + n - 1)
-                held = any(flanks) and all(one is None or one.usable for one in flanks)
-                if joined and held and all(map(_buildable, stretch)):
+                if joined and any(flanks) and all(map(_buildable, stretch)):
                     found.append(first)
         hits = {k: sum(_hits(f, k, k + n - 1) for f in faults) for k in found}
         strain = {k: sum(map(strain_A, slots[k : k + n])) for k in hits}

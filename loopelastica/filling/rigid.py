@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.molecule.faults import junction_errors
+from loopelastica.molecule.faults import JUNCTION, junction_errors
 from loopelastica.molecule.polymer import Monomer
 
 JUNCTION_SD_A: Final = 0.05
 SHIFT_SD_A: Final = 10.0
 TURN_SD: Final = 1.0
 """How far a stretch is expected to have moved, Å and rad; the two junctions decide."""
+MOST_STEPS: Final = 60
 FITS_A: Final = 0.4
 """Largest misfit of the junctions of a stretch that was moved as a whole."""
 
@@ -42,17 +43,18 @@ def moved_back(
     everything = np.array([at for one in stretch for at in one.atoms_A.values()])
     middle = everything.mean(axis=0)
 
-    def placed(one: Monomer, motion: Array) -> dict[str, Array]:
+    def placed(one: Monomer, motion: Array, names: Collection[str] = ()) -> dict[str, Array]:
+        names = [name for name in names or one.atoms_A if name in one.atoms_A]
         turn = Rotation.from_rotvec(motion[3:])
-        at = turn.apply(np.array(list(one.atoms_A.values())) - middle) + middle + motion[:3]
-        return dict(zip(one.atoms_A, at, strict=True))
+        at = turn.apply(np.array([one.atoms_A[name] for name in names]) - middle)
+        return dict(zip(names, at + middle + motion[:3], strict=True))
 
     def misfits(motion: Array) -> Array:
         found = []
         if before is not None:
-            found.append(junction_errors(before.atoms_A, placed(stretch[0], motion)))
+            found.append(junction_errors(before.atoms_A, placed(stretch[0], motion, _LATER)))
         if after is not None:
-            found.append(junction_errors(placed(stretch[-1], motion), after.atoms_A))
+            found.append(junction_errors(placed(stretch[-1], motion, _EARLIER), after.atoms_A))
         return np.concatenate(found)
 
     def residuals(motion: Array) -> Array:
@@ -62,7 +64,7 @@ def moved_back(
     found = []
     # the two ends pull a stretch to its place; more starts for where they pull it onto a wrong side
     for start in _STARTS:
-        motion = least_squares(residuals, start, x_scale=np.repeat([1.0, 0.2], 3)).x
+        motion = least_squares(residuals, start, x_scale=_SCALE, max_nfev=MOST_STEPS).x
         misfit = np.abs(misfits(motion))
         if len(misfit) and misfit.max() <= FITS_A:
             found.append(motion)
@@ -72,6 +74,9 @@ def moved_back(
     return {one.label: placed(one, best) for one in stretch}
 
 
+_EARLIER: Final = tuple(dict.fromkeys(name for name, _, _ in JUNCTION))
+_LATER: Final = tuple(name for _, name, _ in JUNCTION[2:]) + ("P",)
+_SCALE: Final = np.repeat([1.0, 0.2], 3)
 _STARTS: Final = tuple(
     np.array([*(4.0 * side), 0.0, 0.0, 0.0]) for side in (np.zeros(3), *np.eye(3), *-np.eye(3))
 )
