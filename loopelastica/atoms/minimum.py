@@ -58,6 +58,8 @@ class Problem:
     least_A, floor_A : (n_moving, N + m) array
     pinned : dict of int to (3,) array
         Where atoms belong whose place all that is there determines, Å.
+    tether_sd : float
+        How near each atom is held to its start, Å.
     """
 
     site: Site
@@ -75,6 +77,7 @@ class Problem:
     least_A: Array
     floor_A: Array
     pinned: dict[int, Array]
+    tether_sd: float = TETHER_SD_A
 
     @classmethod
     def at(cls, site: Site) -> Problem:
@@ -127,7 +130,7 @@ class Problem:
             volume = np.concatenate([volume, size])
             volume_sd = np.concatenate([volume_sd, np.full(len(more), PUCKER_SD_A3)])
         n_moving = len(self.least_A)
-        tether, tether_sd = start[self.order[:n_moving]], np.full(n_moving, TETHER_SD_A)
+        tether, tether_sd = start[self.order[:n_moving]], np.full(n_moving, self.tether_sd)
         for row, at in self.pinned.items():
             tether[row], tether_sd[row] = at, PIN_SD_A
         return Restraints(

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -23,7 +23,7 @@ from loopelastica.atoms.checks import Checks, check
 from loopelastica.atoms.measures import angles_deg, bond_lengths
 from loopelastica.atoms.minimum import Problem, mended, minimum
 from loopelastica.atoms.relax import Relaxed
-from loopelastica.atoms.site import Site
+from loopelastica.atoms.site import GRID_A, Site
 from loopelastica.atoms.start import start_on
 from loopelastica.atoms.turn import Turns, turned
 
@@ -34,6 +34,8 @@ BENDS_A: Final = (2.5, 5.0)
 """How far the line is bent to all sides where it leads to no sound model."""
 MOST_TRIES: Final = 12
 """Combinations of a bend with Ω and χ that are minimized for each of these sizes."""
+NEAR_SD_A: Final = (0.5, 2.0)
+"""How near each atom is held to where it was, where something that is there is built anew."""
 MENDINGS: Final = 3
 HOPELESS: Final = 6.0
 """A model that is further from sound than this (see `Checks.excess`) is not mended."""
@@ -156,12 +158,53 @@ def _bends(line: Curve, n: int, size_A: float) -> list[Bent]:
     ]
 
 
+def best_near(site: Site, line: Curve, limits: Limits, near: Array) -> tuple[Attempt, int]:
+    """The model next to given positions: the first that is sound, held less and less.
+
+    Parameters
+    ----------
+    site : Site
+        Where it is built.
+    line : Curve
+        Through the nucleotides, in the site's frame.
+    limits : Limits
+    near : (N, 3) array
+        Positions in the site's frame, Å; NaN: of the ideal nucleotide laid on those that are there,
+        else on the line.
+
+    Returns
+    -------
+    Attempt, int
+        And how many were tried.
+    """
+    end = time.monotonic() + limits.max_seconds
+    n = site.molecule.n
+    unturned = Turns((0.0,) * n, (0.0,) * n, 0.0)
+    given = np.isfinite(near) & site.moving[:, None]
+    start = np.where(given, np.round(near, GRID_A), start_on(site, line, unturned))
+    problem = Problem.at(site)
+    attempts: list[Attempt] = []
+    for tether_sd in NEAR_SD_A:
+        held = replace(problem, tether_sd=tether_sd)
+        attempts.append(_attempt(held, line, unturned, LINE_SD_A[-1], limits, end, start))
+        if attempts[-1].checks.sound or time.monotonic() > end:
+            break
+    return min(attempts, key=lambda attempt: attempt.order), len(attempts)
+
+
 def _attempt(
-    problem: Problem, line: Curve, turns: Turns, line_sd: float, limits: Limits, end: float
+    problem: Problem,
+    line: Curve,
+    turns: Turns,
+    line_sd: float,
+    limits: Limits,
+    end: float,
+    start: Array | None = None,
 ) -> Attempt:
     site = problem.site
     centers = np.round(line.at(np.arange(1, site.molecule.n + 1))[0], 6)
-    start = start_on(site, line, turns)
+    if start is None:
+        start = start_on(site, line, turns)
     relaxed = minimum(
         problem, centers, line_sd, start, limits.max_steps, max(end - time.monotonic(), 0.0)
     )

@@ -1,7 +1,8 @@
 """Atoms for any strand of a chain, and for a nucleotide that lacks some of its own.
 
-``build_strand(gap, line, atoms, *, contact=None, tries=1, max_steps=5000, max_seconds=30.0)`` gives
-a :class:`StrandModel`. `gap` is a :class:`~loopelastica.molecule.polymer.Gap`, `line` anything with
+``build_strand(gap, line, atoms, *, near=None, contact=None, tries=1, max_steps=5000,
+max_seconds=30.0)`` gives a :class:`StrandModel`. `gap` is a
+:class:`~loopelastica.molecule.polymer.Gap`, `line` anything with
 ``at(phases) -> points (m, 3), frames (m, 3, 3)`` in the coordinates of the file (phases 1 … n are
 the nucleotides, the curve reaches at least from ½ to n + ½), and `atoms` the
 :class:`~loopelastica.molecule.polymer.HeavyAtoms` of the model. No atom that is there moves.
@@ -10,6 +11,7 @@ the nucleotides, the curve reaches at least from ½ to n + ½), and `atoms` the
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -25,7 +27,8 @@ from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.gap_site import LocalCurve, gap_site, numbered
 from loopelastica.atoms.measures import rigid_fit
 from loopelastica.atoms.relax import Relaxed
-from loopelastica.atoms.search import Limits, best_on
+from loopelastica.atoms.search import Limits, best_near, best_on
+from loopelastica.atoms.site import Site
 from loopelastica.atoms.start import FEWEST_FITTED
 from loopelastica.atoms.turn import Turns, check_contact
 from loopelastica.errors import StructureError
@@ -119,6 +122,7 @@ def build_strand(
     line: Curve,
     atoms: HeavyAtoms,
     *,
+    near: Mapping[str, Mapping[str, Array]] | None = None,
     contact: str | None = None,
     tries: int = 1,
     max_steps: int = 5000,
@@ -135,6 +139,9 @@ def build_strand(
     atoms : HeavyAtoms
         Of the whole model: what must not be run into. Atoms of the strand and its flanks may be
         among them. Waters give way.
+    near : mapping of str to mapping of str to (3,) array, optional
+        By labels and names of atoms, where atoms are to stay as near as the chemistry allows, Å.
+        The line and its turns are then no start, but for atoms that are not named here.
     contact : {"sheared", "watson-crick"}, optional
         Contact of the first and the last nucleotide to be sought; see :func:`.turn.turned`.
     tries : int
@@ -164,7 +171,10 @@ def build_strand(
     check_contact(contact)
     site = gap_site(gap, line, atoms)
     local = LocalCurve(line, site.origin, site.frame)
-    best, _, attempts = best_on(site, local, limits, contact=contact)
+    if near is None:
+        best, _, attempts = best_on(site, local, limits, contact=contact)
+    else:
+        best, attempts = best_near(site, local, limits, _local(site, near))
     positions = site.in_file(best.relaxed.positions_A)
     return StrandModel(
         gap,
@@ -225,6 +235,16 @@ def complete_nucleotide(
     # a nucleotide at an end of its chain has but one neighbour
     gap = Gap((monomer,), before, after)  # type: ignore[arg-type]
     return build_strand(gap, curve, atoms, **options)
+
+
+def _local(site: Site, near: Mapping[str, Mapping[str, Array]]) -> Array:
+    """Given positions (N, 3) in the frame of a site; NaN where none is given."""
+    nowhere = np.full(3, np.nan)
+    given = [
+        near.get(site.labels[k], {}).get(name, nowhere)
+        for name, k in zip(site.molecule.names, site.molecule.residue, strict=True)
+    ]
+    return np.asarray((np.array(given) - site.origin) @ site.frame)
 
 
 def _waters(atoms: HeavyAtoms, built: Array) -> NDArray[np.int64]:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
+from loopelastica._arrays import Array
 from loopelastica._files import PROGRAM
 from loopelastica._version import __version__
+from loopelastica.atoms.strand import BuiltResidue
 from loopelastica.report.compose import AddedResidue, Changes, Composed, Removed, compose
 
 if TYPE_CHECKING:
-    from loopelastica.atoms.strand import BuiltResidue, StrandModel
-    from loopelastica.filling.result import Filling
+    from loopelastica.atoms.strand import StrandModel
+    from loopelastica.filling.result import Filling, Repair
 
 OCCUPANCY: Final = 0.01
 """Marks what was modelled: not zero, which means that nothing is known."""
@@ -79,20 +81,29 @@ def changes_of(filling: Filling, rank: int = 1) -> Changes:
     for completion in filling.completions:
         added += _added(completion.atoms, completion.model - 1, b_factor(COMPLETED_A))
         removed += completion.waters
+    moved: dict[tuple[int, str, int, str, str], Array] = {}
+    for repair in filling.repairs:
+        _repaired(repair, moved, added)
+        removed += (*repair.waters, *repair.hydrogens)
     return Changes(
         added=tuple(added),
+        moved=moved,
+        moved_occupancy=OCCUPANCY,
+        moved_b_factor_A2=b_factor(COMPLETED_A),
         removed=tuple(dict.fromkeys(removed)),
         notes=tuple(_notes(filling, rank)),
         software=(PROGRAM, __version__),
     )
 
 
-def _added(model: StrandModel, index: int, b: float) -> Iterator[AddedResidue]:
-    """The built atoms of a strand, nucleotide by nucleotide."""
+def _added(
+    model: StrandModel, index: int, b: float, residues: Sequence[BuiltResidue] | None = None
+) -> Iterator[AddedResidue]:
+    """The built atoms of a strand, or some of them, nucleotide by nucleotide."""
     gap = model.gap
     chain = [gap.before, *gap.monomers, gap.after]
     before = {id(monomer): other for other, monomer in pairwise(chain)}
-    for residue in model.residues:
+    for residue in model.residues if residues is None else residues:
         monomer = residue.monomer
         other = before.get(id(monomer))
         yield AddedResidue(
@@ -109,6 +120,31 @@ def _added(model: StrandModel, index: int, b: float) -> Iterator[AddedResidue]:
             b_factor_A2=b,
             record=monomer.record,
         )
+
+
+def _repaired(
+    repair: Repair,
+    moved: dict[tuple[int, str, int, str, str], Array],
+    added: list[AddedResidue],
+) -> None:
+    """Atoms of a stretch built anew: most were there, some may have been missing."""
+    index = repair.model - 1
+    there = {one.label: one.atoms_A for one in repair.original}
+    lacked: list[BuiltResidue] = []
+    for residue in repair.atoms.residues:
+        one = residue.monomer
+        new = [k for k, name in enumerate(residue.names) if name not in there.get(one.label, {})]
+        for k in set(range(len(residue.names))).difference(new):
+            place = index, one.chain, one.number, one.icode, residue.names[k]
+            moved[place] = residue.positions_A[k]
+        if new:
+            names, elements = ([of[k] for k in new] for of in (residue.names, residue.elements))
+            lacked.append(
+                BuiltResidue(
+                    one, residue.kind, tuple(names), tuple(elements), residue.positions_A[new]
+                )
+            )
+    added += _added(repair.atoms, index, b_factor(COMPLETED_A), lacked)
 
 
 def name_of(residue: BuiltResidue) -> str:

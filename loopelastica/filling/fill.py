@@ -21,7 +21,15 @@ from loopelastica.atoms.carry import Line
 from loopelastica.atoms.strand import StrandModel, build_strand
 from loopelastica.errors import StructureError
 from loopelastica.filling.options import FillOptions
-from loopelastica.filling.result import Completion, FilledCandidate, FilledStrand, Filling
+from loopelastica.filling.repair import Mender
+from loopelastica.filling.result import (
+    Completion,
+    FilledCandidate,
+    FilledStrand,
+    Filling,
+    Repair,
+    waters_of,
+)
 from loopelastica.folding.expected import expected_rmsd
 from loopelastica.folding.line import NEAR_A, StrandLine, strand_lines
 from loopelastica.folding.options import keywords
@@ -53,7 +61,7 @@ MANY: Final = 3
 def fill(structure: Any, options: FillOptions) -> Filling:
     """Fill the internal gaps of DNA and RNA chains with all their atoms.
 
-    No atom that is there moves.
+    No atom that is there moves, unless `repair` is set.
 
     Parameters
     ----------
@@ -93,9 +101,14 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
     """
     strands: list[FilledStrand] = []
     completions: list[Completion] = []
+    repairs: list[Repair] = []
     remarks: list[str] = []
+    unrepaired: list[str] = []
     for model in range(entry.n_models):
         filler = _Filler(entry, model, options)
+        if options.repair:
+            repairs += filler.repairs()
+            unrepaired += filler.unrepaired
         strands += _with_mates(entry, list(filler.strands()))
         completions += filler.completions()
         remarks += filler.remarks
@@ -104,10 +117,12 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
         strands=tuple(strands),
         options=options,
         completed=tuple(dict.fromkeys(_completed(strands, completions))),
-        repaired=(),
+        repaired=tuple(_in_model(repair.model, str(repair), entry) for repair in repairs),
         remarks=tuple(dict.fromkeys(remarks)),
         entry=entry,
         completions=tuple(completions),
+        repairs=tuple(repairs),
+        unrepaired=tuple(unrepaired),
     )
 
 
@@ -188,16 +203,32 @@ def _on(line: StrandLine, gap: Gap, atoms: HeavyAtoms) -> StrandModel:
     return build_strand(gap, _InFile(between, line.ends), atoms, max_seconds=MAX_SECONDS)
 
 
+def _on_rod(gap: Gap, atoms: HeavyAtoms) -> StrandModel:
+    """The first model of a strand."""
+    return strand_models(gap, strand_ends(gap), atoms)[0][1]
+
+
 class _Filler:
     """One model of an entry; its atoms grow with every strand."""
 
     def __init__(self, entry: Entry, model: int, options: FillOptions) -> None:
-        self.model, self.options = model, options
+        self.entry, self.model, self.options = entry, model, options
         self.found = _found(entry, model, options)
         replaced = {m.label for gap in self.found.gaps for m in gap.replaces}
         self.atoms = without(heavy_atoms(entry, model), replaced)
         self.built: dict[str, Monomer] = {}
+        self.unrepaired: list[str] = []
         self.remarks = [*self.found.remarks, *map(str, self.found.tails)]
+
+    def repairs(self) -> tuple[Repair, ...]:
+        """What is broken, built anew; what is to be filled anyway is left to that."""
+        filled = {m.label for gap in self.found.gaps for m in (*gap.monomers, *gap.replaces)}
+        chains = self.found.chains
+        mender = Mender(self.entry, self.model, chains, self.atoms, filled, _on_rod)
+        self.atoms = mender.atoms
+        self.built |= {one.label: one for repair in mender.repairs for one in repair.now}
+        self.unrepaired = [_in_model(self.model + 1, left, self.entry) for left in mender.left]
+        return tuple(mender.repairs)
 
     def strands(self) -> Iterator[FilledStrand]:
         """Every gap, filled or refused, gaps first."""
@@ -215,13 +246,15 @@ class _Filler:
         left: list[Incomplete] = []
         for one in self.found.incomplete:
             monomer = one.monomer
+            if {*one.missing} <= set(self.built.get(monomer.label, monomer).atoms_A):
+                continue
             gap = around(self.found.chains, monomer)
             if gap is None:
                 left.append(one)
                 continue
             try:
                 gap = self._with_built(gap)
-                ((_, model),) = strand_models(gap, strand_ends(gap), self.atoms)
+                model = _on_rod(gap, self.atoms)
             except StructureError as error:
                 self.remarks.append(str(error))
                 continue
@@ -236,7 +269,13 @@ class _Filler:
         crowded = crowding(ends, self.atoms.positions_A[obstacles(gap, ends, self.atoms)])
         models = strand_models(gap, ends, self.atoms, self.options.candidates)
         candidates = tuple(
-            FilledCandidate(rank, line, model, expected_rmsd(line, crowded), self._waters(model))
+            FilledCandidate(
+                rank,
+                line,
+                model,
+                expected_rmsd(line, crowded),
+                waters_of(model, self.atoms, self.model),
+            )
             for rank, (line, model) in enumerate(models, start=1)
         )
         self._grown(candidates[0].atoms)
@@ -283,18 +322,9 @@ class _Filler:
             beyond_3=now(gap.beyond_3),
         )
 
-    def _waters(self, model: StrandModel) -> tuple[Removed, ...]:
-        """The waters that give way to a model."""
-        out = []
-        for row in model.waters:
-            chain, number, icode, name = self.atoms.places[self.atoms.residue[row]]
-            x, y, z = (float(value) for value in self.atoms.positions_A[row])
-            out.append(Removed(self.model, chain, number, icode, name, at_A=(x, y, z)))
-        return tuple(out)
-
     def _grown(self, model: StrandModel) -> tuple[Removed, ...]:
         """Put what was built among the atoms; the waters that have given way."""
-        waters = self._waters(model)
+        waters = waters_of(model, self.atoms, self.model)
         for residue in model.residues:
             one = residue.monomer
             new = dict(zip(residue.names, residue.positions_A, strict=True))
@@ -310,6 +340,11 @@ def _found(entry: Entry, model: int, options: FillOptions) -> Gaps:
     except StructureError as error:
         where = f"{entry.where}: "
         raise StructureError(where + str(error).removeprefix(where)) from None
+
+
+def _in_model(model: int, sentence: str, entry: Entry) -> str:
+    """A sentence that says which model it is about, where there are several."""
+    return f"model {model}: {sentence}" if entry.n_models > 1 else sentence
 
 
 def without(atoms: HeavyAtoms, labels: Collection[str]) -> HeavyAtoms:

@@ -11,7 +11,8 @@ from loopelastica._files import PROGRAM, read_manifest, whole_folder, write_json
 from loopelastica._names import printable, safe_stem
 from loopelastica._version import __version__
 from loopelastica.filling.compose import composed, name_of
-from loopelastica.filling.result import FilledCandidate, FilledStrand, Filling
+from loopelastica.filling.result import FilledCandidate, FilledStrand, Filling, Repair
+from loopelastica.report.changes import Removed, label
 
 MANIFEST: Final = "fill.json"
 _SUFFIX: Final = {"pdb": ".pdb", "mmcif": ".cif"}
@@ -114,7 +115,7 @@ def write_folder(path: Path, filling: Filling) -> dict[str, Any]:
     """
     with whole_folder(path, MANIFEST) as part:
         files = [MANIFEST]
-        changed = bool(filling.filled or filling.completions)
+        changed = bool(filling.filled or filling.completions or filling.repairs)
         most = max((len(strand.candidates) for strand in filling.filled), default=1)
         for rank in range(1, most + 1) if changed else ():
             text, kind = composed(filling, rank)
@@ -169,7 +170,8 @@ def record_of(filling: Filling) -> dict[str, Any]:
         "parameters": filling.options.to_dict(),
         "strands": [strand_record(strand) for strand in filling.strands],
         "completed": list(filling.completed),
-        "repaired": list(filling.repaired),
+        "repaired": [_repair_record(repair) for repair in filling.repairs],
+        "not_repaired": list(filling.unrepaired),
         "remarks": list(filling.remarks),
     }
 
@@ -256,6 +258,27 @@ def _candidate_record(candidate: FilledCandidate) -> dict[str, Any]:
         ],
         "trace_A": [_rounded(point, 3) for point in candidate.trace],
     }
+
+
+def _repair_record(repair: Repair) -> dict[str, Any]:
+    checks = repair.atoms.checks
+    return {
+        "model": repair.model,
+        "nucleotides": list(repair.labels),
+        "wrong": list(map(str, repair.faults)),
+        "atoms": {one.monomer.label: list(one.names) for one in repair.atoms.residues},
+        "sound": checks.sound,
+        "worst_bond_A": checks.worst_bond_A,
+        "worst_angle_deg": checks.worst_angle_deg,
+        "closest_contact_A": checks.closest_A,
+        "closest_contact": checks.closest,
+        "waters_left_out": list(map(_residue_label, repair.waters)),
+        "hydrogens_left_out": len(repair.hydrogens),
+    }
+
+
+def _residue_label(one: Removed) -> str:
+    return label((one.chain, one.number, one.icode), one.resname)
 
 
 def _rounded(values: Any, digits: int = 2) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from loopelastica.atoms.strand import StrandModel
     from loopelastica.filling.options import FillOptions
     from loopelastica.molecule.entry import Entry
+    from loopelastica.molecule.faults import Fault
+    from loopelastica.molecule.polymer import HeavyAtoms, Monomer
     from loopelastica.report.compose import Removed
 
 Status = Literal["filled", "refused"]
@@ -148,6 +150,78 @@ class Completion(Record):
     waters: tuple[Removed, ...] = ()
 
 
+def waters_of(model: StrandModel, atoms: HeavyAtoms, index: int) -> tuple[Removed, ...]:
+    """The waters that give way to a model.
+
+    Parameters
+    ----------
+    model : StrandModel
+        What was built.
+    atoms : HeavyAtoms
+        Those it was built among.
+    index : int
+        Model of the file, from 0.
+
+    Returns
+    -------
+    tuple of Removed
+    """
+    from loopelastica.report.changes import Removed
+
+    out = []
+    for row in model.waters:
+        chain, number, icode, name = atoms.places[atoms.residue[row]]
+        x, y, z = (float(value) for value in atoms.positions_A[row])
+        out.append(Removed(index, chain, number, icode, name, at_A=(x, y, z)))
+    return tuple(out)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Repair(Record):
+    """A stretch of one model that was there, was broken, and was built anew.
+
+    Attributes
+    ----------
+    model : int
+        Model of the file, from 1.
+    faults : tuple of Fault
+        What was wrong, such as "A.G12–A.C13: O3'–P 3.4 Å".
+    atoms : StrandModel
+        The stretch as it is now; a base that was right stays where it was.
+    original : tuple of Monomer
+        Its nucleotides as they were.
+    waters : tuple of Removed
+        Waters that are nearer than 2.5 Å and give way.
+    hydrogens : tuple of Removed
+        Hydrogens on atoms that have moved.
+    """
+
+    model: int
+    faults: tuple[Fault, ...]
+    atoms: StrandModel
+    original: tuple[Monomer, ...]
+    waters: tuple[Removed, ...] = ()
+    hydrogens: tuple[Removed, ...] = ()
+
+    @property
+    def now(self) -> Iterator[Monomer]:
+        """Every nucleotide that has changed, with its atoms as they are now."""
+        before = {one.label: one for one in self.original}
+        for residue in self.atoms.residues:
+            one = before.get(residue.monomer.label, residue.monomer)
+            new = dict(zip(residue.names, residue.positions_A, strict=True))
+            yield replace(one, atoms_A={**one.atoms_A, **new})
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The nucleotides that were built anew."""
+        return tuple(monomer.label for monomer in self.original)
+
+    def __str__(self) -> str:
+        """Return it as a sentence."""
+        return f"{', '.join(map(str, self.faults))}; rebuilt {', '.join(self.labels)}"
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Filling(Record):
     """A structure with its gaps filled.
@@ -170,6 +244,10 @@ class Filling(Record):
         What was read.
     completions : tuple of Completion
         The models of what was completed.
+    repairs : tuple of Repair
+        The models of what was repaired.
+    unrepaired : tuple of str
+        One sentence for each thing that is broken and could not be mended.
     """
 
     name: str
@@ -180,6 +258,8 @@ class Filling(Record):
     remarks: tuple[str, ...]
     entry: Entry = field(repr=False)
     completions: tuple[Completion, ...] = field(repr=False, default=())
+    repairs: tuple[Repair, ...] = field(repr=False, default=())
+    unrepaired: tuple[str, ...] = ()
 
     @property
     def filled(self) -> tuple[FilledStrand, ...]:
@@ -188,11 +268,12 @@ class Filling(Record):
 
     @property
     def failures(self) -> Iterator[str]:
-        """One sentence for each strand that was refused, in each model."""
+        """One sentence for each strand that was refused or could not be repaired."""
         many = len({strand.model for strand in self.strands}) > 1
         for strand in self.strands:
             if strand.reason is not None:
                 yield f"model {strand.model}: {strand.reason}" if many else strand.reason
+        yield from self.unrepaired
 
     @property
     def notes(self) -> Iterator[str]:

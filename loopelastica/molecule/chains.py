@@ -63,6 +63,15 @@ def bond_A(first: Monomer, second: Monomer) -> float:
     return float(np.linalg.norm(first.atoms_A["O3'"] - second.atoms_A["P"]))
 
 
+def neighbours(chain: Chain, first: Monomer, second: Monomer) -> bool:
+    """Whether two nucleotides, one after the other in a chain, have nothing missing between them.
+
+    Without a sequence of record the numbers say so.
+    """
+    there = bool(first.atoms_A and second.atoms_A)
+    return there and (bool(chain.source) or not _between(first, second))
+
+
 def bonded(first: Monomer, second: Monomer) -> bool:
     """Whether O3' of a nucleotide and P of the next are as near as a bond may be."""
     return bond_A(first, second) <= LINK_MAX_A

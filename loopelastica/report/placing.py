@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from loopelastica.errors import StructureError
+from loopelastica.molecule.components import atom_name
 from loopelastica.report.changes import AddedResidue, Changes, Place, Removed, label
 
 _BACKBONE: Final = (
@@ -290,7 +291,11 @@ class _Sites:
         """Rows of an atom of a nucleotide, one for each of its locations."""
         place = (chain, number, icode)
         run = self.nucleotide(model, place) or range(0)
-        rows = [i for i in run if today(self._rows[i].name) == today(name)]
+        rows = [
+            i
+            for i in run
+            if atom_name(self._rows[i].name, self._rows[i].resname) == atom_name(name)
+        ]
         if not rows:
             raise StructureError(
                 f"{label(place)}: model {model + 1} has no atom {name} there that could be moved"

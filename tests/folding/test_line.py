@@ -10,9 +10,9 @@ from loopelastica.errors import StructureError
 from loopelastica.folding import line as module
 from loopelastica.folding.line import strand_lines
 from loopelastica.molecule.entry import read_entry
-from loopelastica.molecule.strand_ends import strand_ends
 from loopelastica.molecule.gaps import find_gaps
 from loopelastica.molecule.polymer import HeavyAtoms
+from loopelastica.molecule.strand_ends import strand_ends
 from loopelastica.molecule.surroundings import heavy_atoms
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.solve import solve

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from loopelastica.molecule.entry import read_entry
-from loopelastica.molecule.strand_ends import strand_ends
 from loopelastica.molecule.gaps import find_gaps
 from loopelastica.molecule.obstacles import crowding, obstacles, own_atoms
+from loopelastica.molecule.strand_ends import strand_ends
 from loopelastica.molecule.surroundings import heavy_atoms
 
 

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from loopelastica.errors import StructureError
 from loopelastica.molecule.entry import read_entry
-from loopelastica.molecule.strand_ends import flank_end, line_length, strand_ends
 from loopelastica.molecule.gaps import find_gaps
 from loopelastica.molecule.polymer import Monomer
+from loopelastica.molecule.strand_ends import flank_end, line_length, strand_ends
 from loopelastica.molecule.strands import ideal_strand, strand_atoms
 
 BACKBONE = ("P", "O5'", "C5'", "C4'", "C3'", "O3'")
