@@ -62,7 +62,7 @@ def pdb(tmp_path: Path) -> Callable[..., Path]:
 def lines(koc_lines) -> Callable[..., list[str]]:
     """Heavy atoms of 2KOC without some of its nucleotides; numbers and names by choice."""
 
-    from gapped import numbered
+    from chain_files import numbered
 
     def take(
         without: Iterable[int] = (6, 7, 8, 9),

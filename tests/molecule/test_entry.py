@@ -11,7 +11,7 @@ import warnings
 import gemmi
 import numpy as np
 import pytest
-from gapped import SEQUENCE, mmcif_sites, seqres
+from chain_files import SEQUENCE, mmcif_sites, seqres
 
 from loopelastica._files import data_path
 from loopelastica.errors import StructureError

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gapped import SEQUENCE, mmcif_loop, mmcif_sites, numbered, remark_465, seqres
+from chain_files import SEQUENCE, mmcif_loop, mmcif_sites, numbered, remark_465, seqres
 
 from loopelastica._files import data_path
 from loopelastica.errors import StructureError

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from gapped import SEQUENCE, mmcif_loop, mmcif_sites, remark_465, seqres
+from chain_files import SEQUENCE, mmcif_loop, mmcif_sites, remark_465, seqres
 
 from loopelastica.molecule.record import Absent, records_of
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from gapped import SEQUENCE, mmcif_loop, mmcif_sites, numbered, seqres
+from chain_files import SEQUENCE, mmcif_loop, mmcif_sites, numbered, seqres
 
 from loopelastica._files import data_path
 from loopelastica.errors import StructureError

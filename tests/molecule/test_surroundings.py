@@ -5,7 +5,7 @@ from __future__ import annotations
 import gemmi
 import numpy as np
 import pytest
-from gapped import SEQUENCE, seqres
+from chain_files import SEQUENCE, seqres
 
 from loopelastica._files import data_path
 from loopelastica.molecule.entry import read_entry
