@@ -62,7 +62,8 @@ def safe_stem(path: Path) -> str:
     >>> safe_stem(Path("2koc.pdb.gz")), safe_stem(Path("a;b.pdb"))
     ('2koc', 'a_b')
     """
-    stem = path.name.removesuffix(".gz").rsplit(".", 1)[0] or path.name
+    name = path.name.removesuffix(".gz").removesuffix(".bz2")
+    stem = name.rsplit(".", 1)[0] or path.name
     return safe_name(stem, _STEM_BYTES)
 
 

@@ -11,6 +11,7 @@ from loopelastica._arrays import Array
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
 from loopelastica.molecule.strand_ends import StrandEnds
 
+HALIDES: Final = ("F", "CL", "BR", "I")
 CROWDED_A: Final = 10.0
 """How far from the chord atoms count for how crowded it is."""
 
@@ -54,7 +55,8 @@ def obstacles(gap: Gap, ends: StrandEnds, atoms: HeavyAtoms) -> NDArray[np.int64
     (m,) array of int
     """
     single = np.bincount(atoms.residue, minlength=len(atoms.labels))[atoms.residue] == 1
-    out = ~(atoms.water | single | own_atoms(gap, atoms))
+    ion = single & (atoms.metal | np.isin(atoms.element, HALIDES))
+    out = ~(atoms.water | ion | own_atoms(gap, atoms))
     # no point of the line is farther from both ends together than it is long
     reach = sum(
         np.linalg.norm(atoms.positions_A - end, axis=1)

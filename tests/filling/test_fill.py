@@ -238,7 +238,6 @@ def test_a_users_word_wins_over_the_file_and_is_said(tmp_path):
     assert "the file has UU there; the given sequence is taken" in sentence
 
 
-@pytest.mark.xfail(strict=True, reason="a strand that exists cannot be composed anew yet")
 def test_a_strand_that_is_there_is_made_anew(tmp_path):
     path = gapped.gapped(tmp_path / "a.pdb", ())
     filling = le.fill(path, strands="A.6-7=GA")

@@ -111,7 +111,6 @@ def test_two_chains_of_one_name_are_refused(tmp_path):
     assert filling.text() == path.read_text()
 
 
-@pytest.mark.xfail(strict=True, reason="gemmi lays both chains into one where no TER is between")
 def test_so_are_they_without_a_ter_between_them(tmp_path):
     atoms = [*gapped.chain({6, 7}), *gapped.chain({6, 7}, moved=40.0)]
     path = gapped.pdb(tmp_path / "a.pdb", atoms, head=gapped.seqres())

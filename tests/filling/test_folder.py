@@ -41,10 +41,7 @@ def manifest(folder):
         ("a.pdb", 2, "a_2"),
         ("a.cif.gz", 1, "a"),
         ("a.mmcif", 1, "a"),
-        pytest.param(
-            *("a.ent.bz2", 1, "a"),
-            marks=pytest.mark.xfail(strict=True, reason="safe_stem leaves only .gz out"),
-        ),
+        ("a.ent.bz2", 1, "a"),
         ("pdb1abc.ent.gz", 1, "pdb1abc"),
         ("a.b.cif", 1, "a.b"),
     ],

@@ -63,7 +63,6 @@ def test_all_but_waters_ions_and_its_own_atoms_stand_in_its_way(seen):
     assert not found & {"A.C5", "A.U6", "A.C8", "L.HOH2", "L.MG3", "L.FAR4"}
 
 
-@pytest.mark.xfail(strict=True, reason="a residue of one atom is taken for an ion whatever it is")
 def test_a_chain_of_single_atoms_stands_in_the_way(seen, tmp_path):
     _, ends, _ = seen
     middle = (ends.start_origin_A + ends.end_origin_A) / 2
