@@ -69,5 +69,7 @@ def fill(
     rows = list(done.rows)
     if rows:
         console().print(fill_table(rows, Path(out)))
-    o.note(o.screenful([*notes, *done.notes], "in the files' fill.json"))
+    # what a model is not good for stands before what was chosen in reading
+    told = sorted(done.notes, key=lambda sentence: "not sound" not in sentence)
+    o.note(o.screenful([*notes, *told], "in the files' fill.json"))
     o.fail_of_many(done.failures, out)

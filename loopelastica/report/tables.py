@@ -1,5 +1,6 @@
 """Tables on the screen, by rich."""
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +10,6 @@ from rich.table import Table
 from loopelastica._names import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
     from loopelastica.folding.result import LoopFold
     from loopelastica.folding.scan import LoopScan
     from loopelastica.rod.equilibria import Equilibria
@@ -74,7 +73,7 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
 
 
 def fill_table(rows: "Iterable[Mapping[str, Any]]", out: Path) -> Table:
-    """Strands that were filled or refused, a row each.
+    """Strands that were filled or refused, a row each; that of several models is one.
 
     Parameters
     ----------
@@ -95,24 +94,31 @@ def fill_table(rows: "Iterable[Mapping[str, Any]]", out: Path) -> Table:
         table.add_column(name, overflow="fold")
     for name in ("expected (Å)", "sound"):
         table.add_column(name, justify="right")
-    folder = None
+    strands: dict[tuple[str, str, str, str], list[Mapping[str, Any]]] = {}
     for row in rows:
-        first, last = row["first"], row["last"]
+        key = row["folder"], row["chain"], row["first"], row["last"]
+        strands.setdefault(key, []).append(row)
+    shown = None
+    for (folder, _, first, last), models in strands.items():
+        # the figures are those of the first model that could be filled
+        row = next((r for r in models if r["expected_rmsd_A"] is not None), models[0])
         name = first if first == last else f"{first}-{last}"
         expected = "refused"
         if row["expected_rmsd_A"] is not None:
             low, high = row["expected_10_A"], row["expected_90_A"]
             expected = f"{row['expected_rmsd_A']:.1f} ({low:.1f}–{high:.1f})"
         sound = {True: "yes", False: "no", None: ""}[row["sound"]]
+        if len(models) > 1:
+            sound = f"{sum(r['sound'] is True for r in models)} of {len(models)} models"
         _add_row(
             table,
-            "" if row["folder"] == folder else row["folder"],
+            "" if folder == shown else folder,
             f"{row['chain']}.{name}" if row["chain"] else name,
             row["sequence"],
             expected,
             sound,
         )
-        folder = row["folder"]
+        shown = folder
     return table
 
 
