@@ -279,9 +279,13 @@ class Filling(Record):
     def notes(self) -> Iterator[str]:
         """One sentence for each thing that a user should be aware of, of strands too."""
         many = len({strand.model for strand in self.strands}) > 1
+        models: dict[str, list[int]] = {}
         for strand in self.strands:
             for sentence in strand.remarks:
-                yield f"model {strand.model}: {sentence}" if many else sentence
+                models.setdefault(sentence, []).append(strand.model)
+        for sentence, own in models.items():
+            which = f"model {own[0]}" if len(own) == 1 else f"{len(own)} models"
+            yield f"{which}: {sentence}" if many else sentence
         if self.completed:
             yield f"missing atoms were added to {enumerated(self.completed)}"
         yield from self.repaired
