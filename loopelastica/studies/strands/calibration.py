@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from loopelastica._arrays import Array
 from loopelastica.folding.expected import CLASSES, SHIFT_A
 
+FEWEST_ENTRIES = 5
 _QUANTILES = (0.1, 0.5, 0.9)
 _FOLDS = 10
 _RIDGE = 2.0
@@ -35,7 +36,8 @@ def calibrated(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[list[float]
     table = {}
     for _, name in CLASSES:
         x, y, entry = _data(rows, name)
-        if not len(y):
+        # from fewer nothing is learned about entries that were not seen
+        if len(set(entry.tolist())) < FEWEST_ENTRIES:
             continue
         residual = np.empty(len(y))
         for fold in range(_FOLDS):
@@ -74,7 +76,10 @@ def covered(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[int, float, fl
             if not out.any() or out.all():
                 continue
             own = [row for row, there in zip(_own(rows, name), ~out, strict=True) if there]
-            b, (low, _, high) = calibrated(own)[name]
+            table = calibrated(own)
+            if name not in table:
+                continue
+            b, (low, _, high) = table[name]
             away = y[out] - x[out] @ np.array(b)
             found[name] += [(bool(low <= r <= high), float(np.exp(high - low))) for r in away]
     return {

@@ -53,3 +53,8 @@ def test_duplexes_of_rna_and_failures_teach_nothing():
 def test_no_strands_no_table():
     assert calibrated([]) == {}
     assert covered([]) == {}
+
+
+def test_few_entries_teach_nothing():
+    assert calibrated(rows(entries=3)) == {}
+    assert covered(rows(entries=3)) == {}

@@ -11,8 +11,8 @@ from loopelastica.studies.strands.deletion import run
 def test_strands_of_a_folder_are_taken_out_and_filled_again(tmp_path):
     folder = tmp_path / "files"
     folder.mkdir()
-    models = data_path("hairpins/2koc.pdb").read_text().split("MODEL")
-    (folder / "2koc.pdb").write_text(models[0] + "MODEL" + models[1])
+    first, end, _ = data_path("hairpins/2koc.pdb").read_text().partition("ENDMDL")
+    (folder / "2koc.pdb").write_text(f"{first}{end}\nEND\n")
     text = run([folder], tmp_path / "out", sample=2)
     with (tmp_path / "out" / "strands.csv").open() as file:
         rows = list(csv.DictReader(file))
