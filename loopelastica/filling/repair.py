@@ -261,7 +261,8 @@ def _attempts(
         if back is not None:
             yield _gap(chain, first, last, whole), back
         return
-    bad = {atom for fault in faults for atom in fault.atoms}
+    # a base that only its own sugar runs into is where it belongs
+    bad = {atom for f in faults if f.kind != "clash" or len(f.places) == 2 for atom in f.atoms}
     inside = {fault.places[0] for fault in faults if len(fault.places) == 1}
     kept = [
         _with_base(empty, one) if not _base_at_fault(one, first + k, bad) else empty
