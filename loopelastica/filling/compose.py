@@ -64,9 +64,9 @@ def changes_of(filling: Filling, rank: int = 1) -> Changes:
     Returns
     -------
     Changes
-        None at all where nothing was filled: the file stays as it is, remarks too.
+        None at all where nothing was built: the file stays as it is, remarks too.
     """
-    if not (filling.filled or filling.completions):
+    if not (filling.filled or filling.completions or filling.repairs):
         return Changes()
     added: list[AddedResidue] = []
     removed: list[Removed] = []

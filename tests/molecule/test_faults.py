@@ -50,7 +50,8 @@ def test_a_shifted_nucleotide_has_two_broken_bonds(chain):
     faults = find_faults(shifted(chain, 6, np.array([0.0, 0.0, 4.0])))
     bonds = [fault for fault in faults if fault.kind == "bond"]
     assert [fault.places for fault in bonds] == [(5, 6), (6, 7)]
-    assert bonds[0].where == "A.U6–A.U7" and bonds[0].what.startswith("O3'–P ")
+    assert bonds[0].where == "A.U6–A.U7"
+    assert bonds[0].what.startswith("O3'–P ")
 
 
 def test_a_bond_over_two_angstroms_is_a_fault_and_one_under_is_none(chain):
@@ -166,4 +167,5 @@ def test_the_table_of_bonds_is_that_of_rdkit(letter):
     }
     theirs = {pair for pair in theirs if "OP3" not in pair}
     ours = {frozenset(pair) for pair in bonds_of(letter)}
-    assert ours - theirs <= {frozenset(("C2'", "O2'"))} and theirs <= ours
+    assert ours - theirs <= {frozenset(("C2'", "O2'"))}
+    assert theirs <= ours

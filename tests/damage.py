@@ -78,7 +78,7 @@ def without(lines: list[str], *numbers: int) -> list[str]:
 
 
 def wrong(lines: list[str]) -> list[str]:
-    """What is wrong in a chain that is whole: bonds, hands and contacts, by other code than ours."""
+    """What is wrong in a whole chain: bonds, hands and contacts, by other code than ours."""
     atoms = heavy(lines)
     numbers = sorted({number for number, _ in atoms})
     found = []
