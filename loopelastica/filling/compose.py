@@ -131,7 +131,7 @@ def _repaired(
     index = repair.model - 1
     there = {one.label: one.atoms_A for one in repair.original}
     lacked: list[BuiltResidue] = []
-    for residue in repair.atoms.residues:
+    for residue in repair.residues:
         one = residue.monomer
         new = [k for k, name in enumerate(residue.names) if name not in there.get(one.label, {})]
         for k in set(range(len(residue.names))).difference(new):

@@ -87,6 +87,18 @@ def test_a_stretch_that_was_shifted_goes_back_as_a_whole(tmp_path, stretch, by):
     assert damage.rmsd(text, TRUTH, numbers) < 0.5 * np.linalg.norm(by)
 
 
+@pytest.mark.parametrize("number", [1, 14])
+def test_an_end_of_the_chain_that_was_shifted_comes_back_alone(tmp_path, number):
+    lines = damage.shifted(TRUTH, number, number, [3.0, 2.0, -3.0])
+    _, text = repaired(tmp_path, lines)
+    assert not damage.wrong(text)
+    assert untouched(lines, text, {number})
+    atoms = damage.heavy(text)
+    if number == 1:
+        assert all(abs(np.linalg.norm(atoms[1, "P"] - atoms[1, x]) - 1.55) < 0.15
+                   for x in ("O5'", "OP1", "OP2", "OP3"))  # fmt: skip
+
+
 def test_a_clash_inside_a_strand_is_mended(tmp_path):
     # the base of U7 on the sugar of C8's neighbour
     atoms = damage.heavy(TRUTH)
