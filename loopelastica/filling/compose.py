@@ -64,9 +64,9 @@ def changes_of(filling: Filling, rank: int = 1) -> Changes:
     Returns
     -------
     Changes
-        None at all where nothing was filled: the file stays as it is, remarks too.
+        None at all where nothing was built: the file stays as it is, remarks too.
     """
-    if not (filling.filled or filling.completions):
+    if not (filling.filled or filling.completions or filling.repairs):
         return Changes()
     added: list[AddedResidue] = []
     removed: list[Removed] = []
@@ -131,7 +131,7 @@ def _repaired(
     index = repair.model - 1
     there = {one.label: one.atoms_A for one in repair.original}
     lacked: list[BuiltResidue] = []
-    for residue in repair.atoms.residues:
+    for residue in repair.residues:
         one = residue.monomer
         new = [k for k, name in enumerate(residue.names) if name not in there.get(one.label, {})]
         for k in set(range(len(residue.names))).difference(new):

@@ -266,7 +266,7 @@ def _repair_record(repair: Repair) -> dict[str, Any]:
         "model": repair.model,
         "nucleotides": list(repair.labels),
         "wrong": list(map(str, repair.faults)),
-        "atoms": {one.monomer.label: list(one.names) for one in repair.atoms.residues},
+        "atoms": {one.monomer.label: list(one.names) for one in repair.residues},
         "sound": checks.sound,
         "worst_bond_A": checks.worst_bond_A,
         "worst_angle_deg": checks.worst_angle_deg,

@@ -35,6 +35,8 @@ LONGEST: Final = 8
 """Nucleotides of the longest stretch that is tried."""
 LONGEST_END: Final = 3
 """Nucleotides of the longest end of a chain that is taken to have moved."""
+HYDROGEN_A: Final = 1.3
+"""A hydrogen further from every heavy atom than this is bonded to none."""
 EVERYWHERE: Final = 3
 """Up to this length a stretch is tried at every place, longer ones where the fault is central."""
 MAX_SECONDS: Final = 10.0
@@ -142,7 +144,7 @@ class Mender:
             left = find_faults(changed)
             if {fault.key for fault in left} <= known:
                 self.repairs.append(repair)
-                self.atoms = around.grown(model.residues, model.waters)
+                self.atoms = around.grown(tuple(repair.residues), model.waters)
                 return changed, left
         return None
 
@@ -252,16 +254,12 @@ def _attempts(
     near: Positions = {one.label: one.atoms_A for one in there}
     whole = [_without_all(one) for one in there]
     if _open(chain, first):
-        # a phosphate at an end is bonded to nothing that would hold it
-        phosphate = {x: at for x, at in there[0].atoms_A.items() if x in (*PHOSPHATE, "OP3")}
-        whole[0] = replace(whole[0], atoms_A=phosphate)
+        whole[0] = _with_phosphate(whole[0], near)
     if shifted:
-        before, after = _flanks(chain, first, last)
-        back = moved_back(before, there, after)
-        if back is not None:
-            yield _gap(chain, first, last, whole), back
+        yield from _shifted(chain, first, last)
         return
-    bad = {atom for fault in faults for atom in fault.atoms}
+    # a base that only its own sugar runs into is where it belongs
+    bad = {atom for f in faults if f.kind != "clash" or len(f.places) == 2 for atom in f.atoms}
     inside = {fault.places[0] for fault in faults if len(fault.places) == 1}
     kept = [
         _with_base(empty, one) if not _base_at_fault(one, first + k, bad) else empty
@@ -276,8 +274,28 @@ def _attempts(
             yield _gap(chain, first, last, kept), right
     gap = _gap(chain, first, last, whole)
     yield gap, near
+    if last - first < LONGEST_END and (gap.before is None or gap.after is None):
+        yield from _shifted(chain, first, last)
     if gap.before is not None and gap.after is not None:
         yield gap, None
+
+
+def _shifted(chain: Chain, first: int, last: int) -> Iterator[tuple[Gap, Positions]]:
+    """A stretch as it is, moved to where it is joined to its neighbours."""
+    there = chain.slots[first : last + 1]
+    back = moved_back(*_flanks(chain, first, last), there)
+    if back is None:
+        return
+    monomers = [_without_all(one) for one in there]
+    if _open(chain, first):
+        monomers[0] = _with_phosphate(monomers[0], back)
+    yield _gap(chain, first, last, monomers), back
+
+
+def _with_phosphate(empty: Monomer, places: Positions) -> Monomer:
+    """A nucleotide at a 5' end: nothing that is built would hold its phosphate."""
+    atoms = places[empty.label]
+    return replace(empty, atoms_A={x: at for x, at in atoms.items() if x in (*PHOSPHATE, "OP3")})
 
 
 def _without_all(one: Monomer) -> Monomer:
@@ -331,7 +349,7 @@ def _rows(atoms: HeavyAtoms, there: Sequence[Monomer], kept: Sequence[Monomer]) 
     """Rows of the atoms of a stretch that are not kept."""
     out = []
     for one, stays in zip(there, kept, strict=True):
-        moving = [at for name, at in one.atoms_A.items() if name not in stays.atoms_A]
+        moving = [at for name, at in one.atoms_A.items() if stays.atoms_A.get(name) is not at]
         mine = np.flatnonzero(
             np.isin(atoms.residue, [k for k, x in enumerate(atoms.labels) if x == one.label])
         )
@@ -379,11 +397,13 @@ def _hydrogens(
             for atom in residue:
                 if not atom.is_hydrogen():
                     continue
-                carrier = _nearest(one, np.array(atom.pos.tolist()))
-                if carrier in moved[one.label]:
+                if _has_moved(np.array(atom.pos.tolist()), one, moved.get(one.label, set())):
                     found.append(Removed(index, chain.name, number, icode, residue.name, atom.name))
     return tuple(dict.fromkeys(found))
 
 
-def _nearest(one: Monomer, position: Array) -> str:
-    return min(one.atoms_A, key=lambda name: float(np.linalg.norm(one.atoms_A[name] - position)))
+def _has_moved(hydrogen: Array, one: Monomer, moved: Collection[str]) -> bool:
+    """Whether the atom that carries a hydrogen has moved, or was nowhere near it before."""
+    apart = {name: float(np.linalg.norm(at - hydrogen)) for name, at in one.atoms_A.items()}
+    carrier = min(apart, key=lambda name: apart[name])
+    return carrier in moved or apart[carrier] > HYDROGEN_A

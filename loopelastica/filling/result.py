@@ -8,6 +8,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import whole
 from loopelastica._files import sha256
@@ -15,7 +17,7 @@ from loopelastica.folding.line import StrandLine
 from loopelastica.molecule.nucleotides import enumerated
 
 if TYPE_CHECKING:
-    from loopelastica.atoms.strand import StrandModel
+    from loopelastica.atoms.strand import BuiltResidue, StrandModel
     from loopelastica.filling.options import FillOptions
     from loopelastica.molecule.entry import Entry
     from loopelastica.molecule.faults import Fault
@@ -204,10 +206,29 @@ class Repair(Record):
     hydrogens: tuple[Removed, ...] = ()
 
     @property
+    def residues(self) -> Iterator[BuiltResidue]:
+        """Every nucleotide's atoms that are new or in another place."""
+        carried = {
+            one.label: {x: at for x, at in one.atoms_A.items() if at is not was.atoms_A[x]}
+            for one, was in zip(self.atoms.gap.monomers, self.original, strict=True)
+        }
+        for residue in self.atoms.residues:
+            more = carried.get(residue.monomer.label)
+            if not more:
+                yield residue
+                continue
+            yield replace(
+                residue,
+                names=(*residue.names, *more),
+                elements=(*residue.elements, *(name[0] for name in more)),
+                positions_A=np.concatenate([residue.positions_A, list(more.values())]),
+            )
+
+    @property
     def now(self) -> Iterator[Monomer]:
         """Every nucleotide that has changed, with its atoms as they are now."""
         before = {one.label: one for one in self.original}
-        for residue in self.atoms.residues:
+        for residue in self.residues:
             one = before.get(residue.monomer.label, residue.monomer)
             new = dict(zip(residue.names, residue.positions_A, strict=True))
             yield replace(one, atoms_A={**one.atoms_A, **new})

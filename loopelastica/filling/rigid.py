@@ -21,7 +21,7 @@ FITS_A: Final = 0.4
 
 
 def moved_back(
-    before: Monomer | None, stretch: Sequence[Monomer], after: Monomer | None
+    before: Monomer | None, after: Monomer | None, stretch: Sequence[Monomer]
 ) -> Mapping[str, Mapping[str, Array]] | None:
     """Where the atoms of a stretch are after the least motion that joins it to both sides.
 
