@@ -219,6 +219,8 @@ class _Filler:
         self.built: dict[str, Monomer] = {}
         self.unrepaired: list[str] = []
         self.remarks = [*self.found.remarks, *map(str, self.found.tails)]
+        if not options.repair:
+            self.remarks += self.found.broken
 
     def repairs(self) -> tuple[Repair, ...]:
         """What is broken, built anew; what is to be filled anyway is left to that."""

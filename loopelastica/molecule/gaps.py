@@ -80,9 +80,11 @@ class Gaps(Record):
     tails : tuple of Tail
     incomplete : tuple of Incomplete
     remarks : tuple of str
-        Sentences on chains as a whole: choices of the reading, broken bonds, contradictions.
+        Sentences on chains as a whole: choices of the reading, contradictions.
     chains : tuple of Chain
         The chains as they are meant.
+    broken : tuple of str
+        Sentences on broken bonds with nothing missing between.
     """
 
     gaps: tuple[Gap, ...]
@@ -91,6 +93,7 @@ class Gaps(Record):
     incomplete: tuple[Incomplete, ...]
     remarks: tuple[str, ...]
     chains: tuple[Chain, ...]
+    broken: tuple[str, ...] = ()
 
 
 def find_gaps(entry: Entry, model: int = 0, strands: Any = None) -> Gaps:
@@ -141,10 +144,12 @@ def find_gaps(entry: Entry, model: int = 0, strands: Any = None) -> Gaps:
     tails: list[Tail] = []
     incomplete: list[Incomplete] = []
     remarks: list[str] = []
+    broken: list[str] = []
     for chain in chains:
         found = _Found(chain)
         tails += found.tails
         remarks += found.remarks
+        broken += found.broken
         if not wanted:
             gaps += found.gaps
             refused += found.refused
@@ -157,6 +162,7 @@ def find_gaps(entry: Entry, model: int = 0, strands: Any = None) -> Gaps:
         tuple(one for one in incomplete if one.monomer.label not in beside),
         tuple(remarks),
         tuple(chains),
+        tuple(broken),
     )
 
 
@@ -187,6 +193,7 @@ class _Found:
         self.refused: list[Refusal] = []
         self.tails: list[Tail] = []
         self.remarks: list[str] = list(chain.remarks)
+        self.broken: list[str] = []
         self.incomplete = list(_incomplete(chain.slots))
         usable = [k for k, one in enumerate(chain.slots) if one.usable]
         if not usable:
@@ -244,7 +251,7 @@ class _Found:
         """A step between usable neighbours: a bond, or a broken one."""
         bond = bond_A(first, second)
         if not np.isnan(bond) and not joined(first, second):
-            self.remarks.append(
+            self.broken.append(
                 f"{first.label}–{second.label}: the bond is broken (O3'–P {bond:.1f} Å) and nothing"
                 " is missing between, so it is left"
             )

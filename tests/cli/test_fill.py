@@ -11,7 +11,9 @@ import sys
 import time
 from pathlib import Path
 
+import damage
 import gapped
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -201,6 +203,31 @@ def test_what_was_completed_is_told(tmp_path, out):
     assert result.exit_code == 0
     assert "missing atoms were added to A.U11" in result.stdout
     assert results(out) == {"a/fill.json", "a/filled.pdb"}
+
+
+def test_a_broken_bond_is_left_unless_repair_is_wanted(tmp_path, out):
+    file = tmp_path / "a.pdb"
+    file.write_text("\n".join(damage.broken(damage.first_model(), 10, [1.5, 1.5, 0.0])) + "\n")
+    left = run(file, "-o", out)
+    assert left.exit_code == 0, left.output
+    assert "broken" in left.stdout
+    assert results(out) == {"a/fill.json"}
+    mended = run(file, "-o", out, "--repair")
+    assert mended.exit_code == 0, mended.output
+    content = json.loads((out / "a" / "fill.json").read_text())
+    assert len(content["repaired"]) == 1
+    assert content["not_repaired"] == []
+    before, after = (
+        damage.heavy(path.read_text().splitlines()) for path in (file, out / "a" / "filled.pdb")
+    )
+    assert set(before) == set(after)
+    moved = {
+        number for number, name in before if (before[number, name] != after[number, name]).any()
+    }
+    assert moved
+    assert moved <= {9, 10, 11}
+    for k in range(1, 14):
+        assert abs(np.linalg.norm(after[k, "O3'"] - after[k + 1, "P"]) - 1.607) < 0.06
 
 
 def test_the_second_run_resumes(tmp_path, out):

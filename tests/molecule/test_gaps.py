@@ -289,7 +289,7 @@ def test_a_broken_bond_with_nothing_missing_is_named_and_left(entry, lines):
     for record in ([], seqres(SEQUENCE)):
         found = find_gaps(entry(record, moved))
         assert (found.gaps, found.refused) == ((), ())
-        (remark,) = found.remarks
+        (remark,) = found.broken
         assert remark.startswith("A.U7–A.C8: the bond is broken")
 
 
