@@ -58,7 +58,8 @@ class Tail(NamedTuple):
         numbers = self.first if self.first == self.last else f"{self.first}-{self.last}"
         where = f"{self.chain}.{numbers}" if self.chain else numbers
         n = len(self.sequence)
-        return f"{where} ({self.sequence}): {n} nt missing at the {self.end} end are left"
+        left = "is" if n == 1 else "are"
+        return f"{where} ({self.sequence}): {n} nt missing at the {self.end} end {left} left"
 
 
 class Incomplete(NamedTuple):
@@ -274,13 +275,15 @@ def _unlisted(chain: Chain, first: Monomer, second: Monomer) -> Refusal:
     where = f"{chain.name}.{name}" if chain.name else name
     letters = "N" * min(n, MOST_NUCLEOTIDES + 1)
     fault = f"; {chain.fault}" if chain.fault else " and the file has no sequence for them"
+    advice = f"give the sequence as a strand, {where}={letters}"
+    if n > MOST_NUCLEOTIDES:
+        advice = f"no more than {MOST_NUCLEOTIDES} are filled"
     return Refusal(
         chain.name,
         *numbers,
         letters,
-        f"{where}: the numbers say that {n} nt are missing between {first.label} and"
-        f" {second.label}{far}{fault}; give the sequence as a strand,"
-        f" {where}={letters if n <= MOST_NUCLEOTIDES else 'N…'}",
+        f"{where}: the numbers say that {n} nt {'is' if n == 1 else 'are'} missing between"
+        f" {first.label} and {second.label}{far}{fault}; {advice}",
     )
 
 
