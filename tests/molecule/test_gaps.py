@@ -62,7 +62,8 @@ def test_two_gaps_and_both_tails(entry, lines):
         ("5'", "1", "2", "GG"),
         ("3'", "14", "14", "C"),
     ]
-    assert "3' end are left" in str(found.tails[1])
+    assert "3' end is left" in str(found.tails[1])
+    assert "5' end are left" in str(found.tails[0])
 
 
 def test_only_tails_are_no_gap(entry, lines):
