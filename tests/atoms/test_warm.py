@@ -4,26 +4,31 @@ import sys
 
 import pytest
 
+USES = """
+import sys; sys.path.insert(0, sys.argv[1])
+from numba.core import event
+with event.install_recorder("numba:compile") as compiled:
+    from cut_strands import cut, heavy, ideal_line, left, monomers
+    from loopelastica._files import data_path
+    from loopelastica.atoms.strand import build_strand
+    from loopelastica.molecule.nucleotides import read_structure
+    rna = monomers(read_structure(data_path("hairpins/2koc.pdb")))
+    gap = cut(rna, 3, 2)
+    assert build_strand(gap, ideal_line(gap), heavy(left(rna, gap))).checks.sound
+print(*sorted({e.data["dispatcher"].py_func.__name__ for _, e in compiled.buffer}))
+"""
+
 
 @pytest.mark.slow
 def test_nothing_is_left_to_be_compiled_when_atoms_are_built(tmp_path):
-    """Kernels of a build after warming, and all that it left in the folder."""
     pytest.importorskip("rdkit")
-    warm = [sys.executable, "-m", "loopelastica.atoms.warm"]
     environment = {**os.environ, "LOOPELASTICA_CACHE": str(tmp_path)}
-    subprocess.run(warm, env=environment, check=True)
-    before = {path for path in tmp_path.rglob("*") if path.is_file()}
-    assert before
-    script = (
-        "import sys; sys.path.insert(0, sys.argv[1])\n"
-        "from cut_strands import cut, heavy, ideal_line, left, monomers\n"
-        "from loopelastica._files import data_path\n"
-        "from loopelastica.atoms.strand import build_strand\n"
-        "from loopelastica.molecule.nucleotides import read_structure\n"
-        "rna = monomers(read_structure(data_path('hairpins/2koc.pdb')))\n"
-        "gap = cut(rna, 3, 2)\n"
-        "assert build_strand(gap, ideal_line(gap), heavy(left(rna, gap))).checks.sound\n"
-    )
-    here = os.path.dirname(__file__)
-    subprocess.run([sys.executable, "-c", script, here], env=environment, check=True)
-    assert {path for path in tmp_path.rglob("*") if path.is_file()} == before
+
+    def run(*arguments):
+        command = [sys.executable, *arguments]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return done.stdout.strip()
+
+    run("-m", "loopelastica.atoms.warm")
+    assert run("-c", USES, os.path.dirname(__file__)) == ""
