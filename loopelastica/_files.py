@@ -251,6 +251,28 @@ def read_manifest(path: Path) -> dict[str, Any]:
     return content if isinstance(files, list) and all(_is_file_name(f) for f in files) else {}
 
 
+def is_whole(manifest: Path, key: Mapping[str, Any]) -> bool:
+    """Whether a folder still holds the whole result that a key stands for.
+
+    Parameters
+    ----------
+    manifest : Path
+        The manifest of the folder.
+    key : mapping
+        Entries that the manifest must have.
+
+    Returns
+    -------
+    bool
+    """
+    content = read_manifest(manifest)
+    return (
+        bool(content)
+        and all(content.get(name) == value for name, value in key.items())
+        and all(os.path.lexists(manifest.parent / name) for name in content["files"])
+    )
+
+
 def _is_file_name(name: object) -> bool:
     # nothing that leads out of the folder
     return isinstance(name, str) and re.fullmatch(r"[^/\\\0]+", name) is not None and name != ".."

@@ -8,18 +8,17 @@ there for the next one.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
-from loopelastica._arrays import Array
-from loopelastica.atoms.carry import Line
-from loopelastica.atoms.strand import StrandModel, build_strand
+from loopelastica._files import sha256
+from loopelastica.atoms.strand import StrandModel
 from loopelastica.errors import StructureError
+from loopelastica.filling.models import first_model, strand_models
 from loopelastica.filling.options import FillOptions
 from loopelastica.filling.repair import Mender
 from loopelastica.filling.result import (
@@ -31,7 +30,7 @@ from loopelastica.filling.result import (
     waters_of,
 )
 from loopelastica.folding.expected import expected_rmsd
-from loopelastica.folding.line import NEAR_A, StrandLine, strand_lines
+from loopelastica.folding.line import NEAR_A
 from loopelastica.folding.options import keywords
 from loopelastica.molecule.entry import Entry, read_entry
 from loopelastica.molecule.flanks import around
@@ -40,17 +39,9 @@ from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.obstacles import crowding, obstacles
 from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
 from loopelastica.molecule.refusals import Refusal, refusal
-from loopelastica.molecule.strand_ends import StrandEnds, strand_ends
-from loopelastica.molecule.strands import ideal_strand
+from loopelastica.molecule.strand_ends import strand_ends
 from loopelastica.molecule.surroundings import heavy_atoms, symmetry_mates
-from loopelastica.report.compose import Removed
 
-SPARE: Final = 4
-"""Lines that are tried where no model on the first one is sound."""
-LONGER: Final = (1.15, 1.3)
-"""Then the first line of longer rods is: times their length."""
-MAX_SECONDS: Final = 10.0
-"""Time after which no more is tried on one line."""
 MATE_A: Final = 3.0
 """Mates in the crystal nearer than this are told."""
 MANY: Final = 3
@@ -109,7 +100,7 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
         if options.repair:
             repairs += filler.repairs()
             unrepaired += filler.unrepaired
-        strands += _with_mates(entry, list(filler.strands()))
+        strands += _with_mates(entry, filler.given, list(filler.strands()))
         completions += filler.completions()
         remarks += filler.remarks
     return Filling(
@@ -123,10 +114,11 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
         completions=tuple(completions),
         repairs=tuple(repairs),
         unrepaired=tuple(unrepaired),
+        sha256=None if entry.path is None else sha256(entry.path),
     )
 
 
-def _with_mates(entry: Entry, strands: list[FilledStrand]) -> list[FilledStrand]:
+def _with_mates(entry: Entry, atoms: HeavyAtoms, strands: list[FilledStrand]) -> list[FilledStrand]:
     """The strands of one model, and how near what was built comes to its mates in the crystal.
 
     They are told, not avoided: which of two mates gives way is not for one strand to say.
@@ -138,9 +130,7 @@ def _with_mates(entry: Entry, strands: list[FilledStrand]) -> list[FilledStrand]
     }
     if not built:
         return strands
-    mates = symmetry_mates(
-        entry, np.concatenate(list(built.values())), MATE_A, strands[0].model - 1
-    )
+    mates = symmetry_mates(entry, np.concatenate(list(built.values())), MATE_A, atoms)
     if not len(mates):
         return strands
     tree = cKDTree(mates)
@@ -152,62 +142,6 @@ def _with_mates(entry: Entry, strands: list[FilledStrand]) -> list[FilledStrand]
     return strands
 
 
-def strand_models(
-    gap: Gap, ends: StrandEnds, atoms: HeavyAtoms, most: int = 1
-) -> list[tuple[StrandLine, StrandModel]]:
-    """Lines of a strand with atoms on them: sound models first, then the order of the lines.
-
-    Parameters
-    ----------
-    gap : Gap
-        What is built.
-    ends : StrandEnds
-        Where its line begins and ends.
-    atoms : HeavyAtoms
-        All that is there.
-    most : int
-        How many at most.
-
-    Returns
-    -------
-    list of (StrandLine, StrandModel)
-
-    Raises
-    ------
-    StructureError
-        If no line was found, or a base is unknown.
-    """
-    lines = strand_lines(gap, ends, atoms, max(most, SPARE))
-    models = [(line, _on(line, gap, atoms)) for line in lines[:most]]
-    if not any(model.checks.sound for _, model in models):
-        for line in _others(lines[most:], gap, ends, atoms):
-            models.append((line, _on(line, gap, atoms)))
-            if models[-1][1].checks.sound:
-                break
-    return sorted(models, key=lambda pair: not pair[1].checks.sound)[:most]
-
-
-def _others(
-    left: Sequence[StrandLine], gap: Gap, ends: StrandEnds, atoms: HeavyAtoms
-) -> Iterator[StrandLine]:
-    """Lines to be tried where no model on the first ones is sound: other minima, longer rods."""
-    yield from left
-    for factor in LONGER:
-        yield strand_lines(gap, replace(ends, length_A=factor * ends.length_A), atoms)[0]
-
-
-def _on(line: StrandLine, gap: Gap, atoms: HeavyAtoms) -> StrandModel:
-    """Atoms on a line."""
-    is_dna = sum(monomer.is_dna for monomer in gap.monomers) > len(gap) / 2
-    between = Line.between(line.rod, line.ends, ideal_strand(is_dna))
-    return build_strand(gap, _InFile(between, line.ends), atoms, max_seconds=MAX_SECONDS)
-
-
-def _on_rod(gap: Gap, atoms: HeavyAtoms) -> StrandModel:
-    """The first model of a strand."""
-    return strand_models(gap, strand_ends(gap), atoms)[0][1]
-
-
 class _Filler:
     """One model of an entry; its atoms grow with every strand."""
 
@@ -215,7 +149,8 @@ class _Filler:
         self.entry, self.model, self.options = entry, model, options
         self.found = _found(entry, model, options)
         replaced = {m.label for gap in self.found.gaps for m in gap.replaces}
-        self.atoms = without(heavy_atoms(entry, model), replaced)
+        self.given = heavy_atoms(entry, model)
+        self.atoms = self.given.without(replaced)
         self.built: dict[str, Monomer] = {}
         self.unrepaired: list[str] = []
         self.remarks = [*self.found.remarks, *map(str, self.found.tails)]
@@ -226,7 +161,7 @@ class _Filler:
         """What is broken, built anew; what is to be filled anyway is left to that."""
         filled = {m.label for gap in self.found.gaps for m in (*gap.monomers, *gap.replaces)}
         chains = self.found.chains
-        mender = Mender(self.entry, self.model, chains, self.atoms, filled, _on_rod)
+        mender = Mender(self.entry, self.model, chains, self.atoms, filled)
         self.atoms = mender.atoms
         self.built |= {one.label: one for repair in mender.repairs for one in repair.now}
         self.unrepaired = [_in_model(self.model + 1, left, self.entry) for left in mender.left]
@@ -256,14 +191,16 @@ class _Filler:
                 continue
             try:
                 gap = self._with_built(gap)
-                model = _on_rod(gap, self.atoms)
+                model = first_model(gap, self.atoms)
             except StructureError as error:
                 self.remarks.append(str(error))
                 continue
             if not model.checks.sound:
                 why = "; ".join(model.checks.wrong)
                 self.remarks.append(f"{monomer.label}: not sound with its missing atoms ({why})")
-            yield Completion(self.model + 1, model, self._grown(model))
+            waters = waters_of(model, self.atoms, self.model)
+            self._grow(model)
+            yield Completion(self.model + 1, model, waters)
         self.remarks += _left(left)
 
     def _filled(self, gap: Gap) -> FilledStrand:
@@ -280,7 +217,7 @@ class _Filler:
             )
             for rank, (line, model) in enumerate(models, start=1)
         )
-        self._grown(candidates[0].atoms)
+        self._grow(candidates[0].atoms)
         return FilledStrand(
             chain=gap.chain,
             first=gap.monomers[0].place,
@@ -324,15 +261,13 @@ class _Filler:
             beyond_3=now(gap.beyond_3),
         )
 
-    def _grown(self, model: StrandModel) -> tuple[Removed, ...]:
-        """Put what was built among the atoms; the waters that have given way."""
-        waters = waters_of(model, self.atoms, self.model)
+    def _grow(self, model: StrandModel) -> None:
+        """Put what was built among the atoms; waters give way."""
         for residue in model.residues:
             one = residue.monomer
             new = dict(zip(residue.names, residue.positions_A, strict=True))
             self.built[one.label] = replace(one, atoms_A={**one.atoms_A, **new})
         self.atoms = self.atoms.grown(model.residues, model.waters)
-        return waters
 
 
 def _found(entry: Entry, model: int, options: FillOptions) -> Gaps:
@@ -347,25 +282,6 @@ def _found(entry: Entry, model: int, options: FillOptions) -> Gaps:
 def _in_model(model: int, sentence: str, entry: Entry) -> str:
     """A sentence that says which model it is about, where there are several."""
     return f"model {model}: {sentence}" if entry.n_models > 1 else sentence
-
-
-def without(atoms: HeavyAtoms, labels: Collection[str]) -> HeavyAtoms:
-    """The atoms of all residues but those of some labels."""
-    own = [row for row, label in enumerate(atoms.labels) if label in labels]
-    return atoms.grown((), np.flatnonzero(np.isin(atoms.residue, own))) if own else atoms
-
-
-class _InFile:
-    """A line of a start frame in the coordinates of the file."""
-
-    def __init__(self, line: Line, ends: StrandEnds) -> None:
-        self._line, self._ends = line, ends
-
-    def at(self, phases: ArrayLike) -> tuple[Array, Array]:
-        """Points (m, 3), Å, and frames (m, 3, 3) at the phases (m,)."""
-        points, frames = self._line.at(phases)
-        start = self._ends.start_frame
-        return points @ start.T + self._ends.start_origin_A, start @ frames
 
 
 def _left(incomplete: Sequence[Incomplete]) -> Iterator[str]:

@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from loopelastica._files import PROGRAM, read_manifest, whole_folder, write_json, write_text
+from loopelastica._files import PROGRAM, is_whole, whole_folder, write_json, write_text
 from loopelastica._names import printable, safe_stem
 from loopelastica._version import __version__
+from loopelastica.atoms.checks import Checks
 from loopelastica.filling.compose import composed, name_of
 from loopelastica.filling.result import FilledCandidate, FilledStrand, Filling, Repair
 from loopelastica.report.changes import Removed, label
@@ -141,12 +142,7 @@ def is_there(path: Path, key: Mapping[str, Any]) -> bool:
     -------
     bool
     """
-    manifest = read_manifest(path / MANIFEST)
-    return (
-        bool(manifest)
-        and all(manifest.get(name) == value for name, value in key.items())
-        and all(os.path.lexists(path / name) for name in manifest["files"])
-    )
+    return is_whole(path / MANIFEST, key)
 
 
 def record_of(filling: Filling) -> dict[str, Any]:
@@ -245,10 +241,7 @@ def _candidate_record(candidate: FilledCandidate) -> dict[str, Any]:
         "expected_rmsd_A": _rounded(candidate.expected_rmsd_A),
         "sound": checks.sound,
         "not_sound_because": list(checks.wrong),
-        "worst_bond_A": checks.worst_bond_A,
-        "worst_angle_deg": checks.worst_angle_deg,
-        "closest_contact_A": checks.closest_A,
-        "closest_contact": checks.closest,
+        **_worst(checks),
         "wrong_chirality": list(checks.wrong_chirality),
         "status": checks.status,
         "nucleotides": [name_of(residue) for residue in candidate.atoms.residues],
@@ -268,12 +261,18 @@ def _repair_record(repair: Repair) -> dict[str, Any]:
         "wrong": list(map(str, repair.faults)),
         "atoms": {one.monomer.label: list(one.names) for one in repair.residues},
         "sound": checks.sound,
+        **_worst(checks),
+        "waters_left_out": list(map(_residue_label, repair.waters)),
+        "hydrogens_left_out": len(repair.hydrogens),
+    }
+
+
+def _worst(checks: Checks) -> dict[str, Any]:
+    return {
         "worst_bond_A": checks.worst_bond_A,
         "worst_angle_deg": checks.worst_angle_deg,
         "closest_contact_A": checks.closest_A,
         "closest_contact": checks.closest,
-        "waters_left_out": list(map(_residue_label, repair.waters)),
-        "hydrogens_left_out": len(repair.hydrogens),
     }
 
 

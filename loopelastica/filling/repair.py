@@ -10,7 +10,7 @@ A model is taken if it is sound, what it was built for is gone, and nothing else
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Final
@@ -22,6 +22,7 @@ from loopelastica._arrays import Array
 from loopelastica.atoms.chemistry import Residue, atom_names
 from loopelastica.atoms.strand import StrandModel, build_strand
 from loopelastica.errors import StructureError
+from loopelastica.filling.models import MAX_SECONDS, first_model
 from loopelastica.filling.result import Repair, waters_of
 from loopelastica.filling.rigid import moved_back
 from loopelastica.molecule.chains import Chain, bonded, neighbours
@@ -39,7 +40,6 @@ HYDROGEN_A: Final = 1.3
 """A hydrogen further from every heavy atom than this is bonded to none."""
 EVERYWHERE: Final = 3
 """Up to this length a stretch is tried at every place, longer ones where the fault is central."""
-MAX_SECONDS: Final = 10.0
 Index = NDArray[np.int64]
 Positions = Mapping[str, Mapping[str, Array]]
 
@@ -59,8 +59,6 @@ class Mender:
         All of the model.
     barred : collection of str
         Labels of nucleotides that are about to be built anyway.
-    on_rod : callable
-        Builds a stretch anew, wherever it was: the last resort.
 
     Attributes
     ----------
@@ -78,9 +76,8 @@ class Mender:
         chains: Sequence[Chain],
         atoms: HeavyAtoms,
         barred: Collection[str],
-        on_rod: Callable[[Gap, HeavyAtoms], StrandModel],
     ) -> None:
-        self._entry, self._model, self._on_rod = entry, model, on_rod
+        self._entry, self._model = entry, model
         self.atoms = atoms
         self.repairs: list[Repair] = []
         self.left: list[str] = []
@@ -131,7 +128,7 @@ class Mender:
         for gap, near in _attempts(chain, faults, first, last, shifted):
             around = self.atoms.grown((), _rows(self.atoms, original, gap.monomers))
             try:
-                model = self._on_rod(gap, around) if near is None else _near(gap, near, around)
+                model = first_model(gap, around) if near is None else _near(gap, near, around)
             except StructureError:
                 continue
             if not model.checks.sound:

@@ -12,7 +12,6 @@ import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import whole
-from loopelastica._files import sha256
 from loopelastica.folding.line import StrandLine
 from loopelastica.molecule.nucleotides import enumerated
 
@@ -269,6 +268,8 @@ class Filling(Record):
         The models of what was repaired.
     unrepaired : tuple of str
         One sentence for each thing that is broken and could not be mended.
+    sha256 : str or None
+        Digest of the input file when it was read; None where there was none.
     """
 
     name: str
@@ -281,6 +282,7 @@ class Filling(Record):
     completions: tuple[Completion, ...] = field(repr=False, default=())
     repairs: tuple[Repair, ...] = field(repr=False, default=())
     unrepaired: tuple[str, ...] = ()
+    sha256: str | None = None
 
     @property
     def filled(self) -> tuple[FilledStrand, ...]:
@@ -320,11 +322,6 @@ class Filling(Record):
 
         for strand in self.strands:
             yield {"file": self.name, **strand_row(strand)}
-
-    @property
-    def sha256(self) -> str | None:
-        """Digest of the input file; None where there was none."""
-        return None if self.entry.path is None else sha256(self.entry.path)
 
     def text(self, rank: int = 1) -> str:
         """The filled structure in the format of the input, mmCIF where PDB does not hold it.

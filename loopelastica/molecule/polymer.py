@@ -7,7 +7,7 @@ has; numbers are those of the author, and `record` is the place in the sequence 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -172,6 +172,21 @@ class HeavyAtoms(Record):
     def label(self, row: int) -> str:
         """Residue and name of an atom, such as "A.G12 C5'"."""
         return f"{self.labels[self.residue[row]]} {self.name[row]}"
+
+    def without(self, labels: Collection[str]) -> HeavyAtoms:
+        """The atoms of all residues but those of some labels.
+
+        Parameters
+        ----------
+        labels : collection of str
+            As in `labels`.
+
+        Returns
+        -------
+        HeavyAtoms
+        """
+        own = [row for row, label in enumerate(self.labels) if label in labels]
+        return self.grown((), np.flatnonzero(np.isin(self.residue, own))) if own else self
 
     def grown(self, built: Sequence[BuiltAtoms], without: NDArray[np.int64]) -> HeavyAtoms:
         """These atoms with more of them in some residues, and without others.

@@ -88,7 +88,9 @@ def _element(atom: Any, resname: str) -> Any:
     return gemmi.Element(whole if name == resname else whole[:1])
 
 
-def symmetry_mates(entry: Entry, around_points: ArrayLike, radius: float, model: int = 0) -> Array:
+def symmetry_mates(
+    entry: Entry, around_points: ArrayLike, radius: float, atoms: HeavyAtoms | None = None
+) -> Array:
     """Heavy atoms of crystal mates near some points, for reports.
 
     Parameters
@@ -99,8 +101,8 @@ def symmetry_mates(entry: Entry, around_points: ArrayLike, radius: float, model:
         Å.
     radius : float
         How near, Å.
-    model : int
-        Which model, from 0.
+    atoms : HeavyAtoms, optional
+        Those of the model; by default the first one's.
 
     Returns
     -------
@@ -112,7 +114,7 @@ def symmetry_mates(entry: Entry, around_points: ArrayLike, radius: float, model:
     structure = entry.structure
     if not structure.cell.is_crystal() or _NO_CRYSTAL.search(_method(structure)) or not len(points):
         return read_only(np.zeros((0, 3)))
-    atoms = heavy_atoms(entry, model)
+    atoms = heavy_atoms(entry) if atoms is None else atoms
     own = atoms.positions_A[~atoms.water]
     cell = structure.cell
     to_fractional = np.array(cell.frac.mat.tolist())

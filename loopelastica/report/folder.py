@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from loopelastica._files import NOTE, read_manifest, whole_folder, write_csv, write_json, write_text
+from loopelastica._files import (
+    NOTE,
+    is_whole,
+    read_manifest,
+    whole_folder,
+    write_csv,
+    write_json,
+    write_text,
+)
 from loopelastica._names import printable, safe_name, safe_stem
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb
@@ -162,12 +170,7 @@ def is_there(path: Path, key: Mapping[str, Any]) -> bool:
     -------
     bool
     """
-    manifest = read_manifest(path / MANIFEST)
-    return (
-        bool(manifest)
-        and all(manifest.get(name) == value for name, value in key.items())
-        and all(os.path.lexists(path / name) for name in manifest["files"])
-    )
+    return is_whole(path / MANIFEST, key)
 
 
 def _line_rows(fold: LoopFold) -> Iterator[dict[str, object]]:

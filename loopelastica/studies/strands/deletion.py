@@ -14,7 +14,7 @@ import numpy as np
 from loopelastica._arrays import Array
 from loopelastica._files import write_csv, write_json, write_text
 from loopelastica.errors import LoopelasticaError
-from loopelastica.filling.fill import strand_models, without
+from loopelastica.filling.models import strand_models
 from loopelastica.folding.expected import expected_rmsd, length_class, signs
 from loopelastica.folding.line import strand_lines
 from loopelastica.molecule.entry import Entry, read_entry
@@ -134,13 +134,13 @@ def _file(file: Path, own: Sequence[Cut], pdbfixer: bool) -> Iterator[dict[str, 
             row["failure"] = "not found among the chains"
         else:
             try:
-                row |= _measured(gap, without(atoms, {m.label for m in gap.replaces}))
+                row |= _measured(gap, atoms.without({m.label for m in gap.replaces}))
             except LoopelasticaError as error:
                 row["failure"] = str(error)
             if pdbfixer and "failure" not in row:
                 from loopelastica.studies.strands.peer import filled_by_pdbfixer
 
-                row |= filled_by_pdbfixer(gap, without(atoms, {m.label for m in gap.replaces}))
+                row |= filled_by_pdbfixer(gap, atoms.without({m.label for m in gap.replaces}))
         yield row
 
 
