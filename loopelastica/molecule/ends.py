@@ -126,6 +126,41 @@ class StemEnds(Record):
         return self
 
 
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class ClosingPoses(Record):
+    """Points and frames of the two closing nucleotides on the ideal strands of their stem.
+
+    Attributes
+    ----------
+    start_origin_A, end_origin_A : (3,) array
+        Points of the line, 5' and 3', Å.
+    start_frame, end_frame : (3, 3) array
+        Columns d1 (towards the helix axis), d2, d3 (tangent 5' to 3').
+    """
+
+    start_origin_A: Array
+    start_frame: Array
+    end_origin_A: Array
+    end_frame: Array
+
+    @property
+    def position_A(self) -> Array:
+        """The end in the frame of the start (3,), Å."""
+        return self.start_frame.T @ (self.end_origin_A - self.start_origin_A)
+
+    @property
+    def rotation(self) -> Array:
+        """The end frame in the frame of the start (3, 3)."""
+        return self.start_frame.T @ self.end_frame
+
+    def to_file(self, points_A: Array) -> Array:
+        """Points (..., 3) in the frame of the start, Å → coordinates of the file."""
+        return np.asarray(self.start_origin_A + np.asarray(points_A) @ self.start_frame.T)
+
+    def __repr__(self) -> str:
+        return f"<ClosingPoses {math.dist(self.start_origin_A, self.end_origin_A):.1f} Å apart>"
+
+
 def stem_ends(
     nucleotides: Nucleotides, hairpin: Hairpin, positions: Array, clamp: StemClamp | None = None
 ) -> StemEnds:
@@ -221,6 +256,11 @@ class FittedStem(Record):
             fit_rms_A=self.fit_rms_A,
             stem_rms_A=self.stem_rms_A,
         )
+
+    def closing(self) -> ClosingPoses:
+        """Where the ideal strands have the closing nucleotides themselves."""
+        start, end = self._line_frame(0, 0.0), self._line_frame(1, 0.0)
+        return ClosingPoses(start[0], start[1], end[0], end[1])
 
     def feasible(self, clamp: StemClamp) -> StemEnds:
         """The ends for `clamp` with as much extension taken off (3' first) as the rod needs.
