@@ -1,4 +1,4 @@
-"""Which of many loop shapes, all deformed onto one stem: a mean as first answer, then distinct ones.
+"""Which of many loop shapes on one stem: a mean as first answer, then distinct ones.
 
     w_j ∝ 1/copies_j · exp(−a E_j/E_median − b s_j − c_j)
 
