@@ -10,7 +10,7 @@ _SUFFIXES = (".pdb", ".ent", ".cif", ".mmcif")
 _MANIFESTS = ("ranking.json", "fill.json")
 
 
-def structure_files(folder: Path, deep: bool = False) -> list[Path]:
+def structure_files(folder: Path, deep: bool = False, argument: str = "folder") -> list[Path]:
     """PDB and mmCIF files of a folder, compressed or not, by name.
 
     Parameters
@@ -20,6 +20,8 @@ def structure_files(folder: Path, deep: bool = False) -> list[Path]:
     deep : bool
         Look into the folders in it too, except hidden ones, linked ones and those with results of
         this program.
+    argument : str
+        What `folder` is called where the user gave it.
 
     Returns
     -------
@@ -35,7 +37,7 @@ def structure_files(folder: Path, deep: bool = False) -> list[Path]:
         why = (
             "" if folder.is_dir() else ": it is a file" if folder.exists() else ": it is not there"
         )
-        raise ValueError(f"`folder` {folder} holds no PDB or mmCIF file{why}")
+        raise ValueError(f"`{argument}` {folder} holds no PDB or mmCIF file{why}")
     return found
 
 

@@ -235,7 +235,7 @@ class FoundLoop(NamedTuple):
     def order(self) -> tuple[Any, ...]:
         """What loops are sorted by: nothing of the order in which they were found."""
         shape = self.shape
-        values = np.concatenate([shape.steps_A, shape.end_frame]).ravel().tolist()
+        values = np.concatenate([shape.steps_A, shape.end_frame]).tobytes()
         return shape.is_dna, len(shape), shape.sequence, self.entry, shape.source, values
 
 
