@@ -73,25 +73,15 @@ def distances_A(nodes_A: Array, trace_A: Array) -> Array:
     return np.asarray(np.sqrt(((nodes_A - trace_A) ** 2).sum(axis=-1).mean(axis=-1)))
 
 
-def letters(sequences: NDArray[np.str_] | list[str]) -> NDArray[np.uint8]:
-    """Sequences of equal length as codes (k, n), T as U.
-
-    >>> letters(["GAT", "CCC"]).tolist()
-    [[71, 65, 85], [67, 67, 67]]
-    """
-    rows = [sequence.replace("T", "U").encode("ascii", "replace") for sequence in sequences]
-    return np.array([np.frombuffer(row, dtype=np.uint8) for row in rows])
-
-
-def sequence_distance(codes: NDArray[np.uint8], sequence: str) -> Array:
+def sequence_distance(codes: NDArray[np.uint8], own: NDArray[np.uint8]) -> Array:
     """Distances s (k,) of loop sequences from one, closing nucleotides included.
 
     Parameters
     ----------
     codes : (k, n + 2) array of uint8
-        Of :func:`letters`.
-    sequence : str
-        From closing to closing nucleotide.
+        Bases from closing to closing nucleotide in ASCII, T as U.
+    own : (n + 2,) array of uint8
+        Those of the loop.
 
     Returns
     -------
@@ -101,10 +91,10 @@ def sequence_distance(codes: NDArray[np.uint8], sequence: str) -> Array:
 
     Examples
     --------
-    >>> sequence_distance(letters(["CGAAAG", "CGCAAG", "GGAAAC"]), "CGAAAG").tolist()
+    >>> a, b, c = (np.frombuffer(s, dtype=np.uint8) for s in (b"CGAAAG", b"CGCAAG", b"GGAAAC"))
+    >>> sequence_distance(np.array([a, b, c]), a).tolist()
     [0.0, 1.0, 0.5]
     """
-    own = letters([sequence])[0]
     place = np.ones(codes.shape[1])
     place[[0, -1]], place[[1, -2]] = _CLOSING, _FIRST
     kept = np.isin(codes, _PURINES) == np.isin(own, _PURINES)
