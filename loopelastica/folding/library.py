@@ -165,7 +165,7 @@ class ShapeTable(Record):
                 f"`sequence` has {len(sequence)} letters; loops of {self.nucleotides} nucleotides"
                 f" have {self.nucleotides + 2} with their closing pair"
             )
-        return _letters(sequence)
+        return letters_of(sequence)
 
 
 def rms_A(nodes_A: Array, other_A: Array) -> Array:
@@ -173,7 +173,7 @@ def rms_A(nodes_A: Array, other_A: Array) -> Array:
     return np.asarray(np.sqrt(((nodes_A - other_A) ** 2).sum(axis=-1).mean(axis=-1)))
 
 
-def _letters(sequence: str) -> NDArray[np.uint8]:
+def letters_of(sequence: str) -> NDArray[np.uint8]:
     text = sequence.upper().replace("T", "U").encode("ascii", "replace")
     return np.frombuffer(text, dtype=np.uint8)
 
@@ -192,7 +192,7 @@ def table_of(nucleotides: int, loops: Iterable[FoundLoop]) -> ShapeTable:
     loops = list(loops)
     k, m = len(loops), nucleotides + 1
     shapes = [loop.shape for loop in loops]
-    letters = np.array([_letters(s.sequence) for s in shapes], dtype=np.uint8).reshape(k, m + 1)
+    letters = np.array([letters_of(s.sequence) for s in shapes], dtype=np.uint8).reshape(k, m + 1)
     return ShapeTable(
         is_dna=np.array([s.is_dna for s in shapes], dtype=np.bool_),
         letters=letters,
