@@ -6,8 +6,8 @@ correction makes it robust. Near a solution steps are whole, H is not shifted an
 squared from step to step.
 
 A chain is first tried from frames given, or with the end's turn spread evenly; then from its rest
-shape; then the end clamp is moved from that of the rest shape to the one given, in steps that
-adapt. What arrives is judged by other formulas (``chain_check``).
+shape, and bowed; then the end clamp is moved from that of the rest shape to the one given, in steps
+that adapt. What arrives is judged by other formulas (``chain_check``).
 """
 
 import math
@@ -64,6 +64,8 @@ _FLOOR, _SHIFT, _FLAT = 1e-9, 4.0, 1e-6
 _CLOSED, _BALANCED, _CONFIRMED = 1e-11, 1e-10, 1e-8
 # bend that leaves a saddle, and how many times
 _BOW, _BOWS = 0.07, 3
+# attempts where the first fails: the rest shape, bowed by so many rad, the end clamp moved, bowed
+_ATTEMPTS, _BY_MOVING, _BEND = 12, 5, 0.8
 # first and least part of the way that the end clamp is moved at once; how many moves
 _PART, _LEAST, _MOVES = 0.25, 1e-3, 200
 # ends further apart than the chain is long by less than this are rounding
@@ -282,11 +284,18 @@ def _deform(room, position, q, guess, minimized):
     status, energy, index = minimize_chain(room, position, minimized)
     if status == _CONVERGED or not minimized:
         return status, energy, index
-    _reset(room, q)
-    status, energy, index = minimize_chain(room, position, minimized)
-    if status == _CONVERGED:
-        return status, energy, index
-    return _by_moving_the_end(room, position, q)
+    for attempt in range(_ATTEMPTS):
+        if attempt == _BY_MOVING:
+            status, energy, index = _by_moving_the_end(room, position, q)
+        else:
+            _reset(room, q)
+            if attempt > 0:
+                spread(room.chain)
+                bow(room.chain, _BEND if attempt % 2 else -_BEND, attempt)
+            status, energy, index = minimize_chain(room, position, True)
+        if status == _CONVERGED:
+            break
+    return status, energy, index
 
 
 @kernel
