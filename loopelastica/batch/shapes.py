@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,20 +13,15 @@ import numpy as np
 from scipy.spatial.distance import pdist
 
 from loopelastica._arrays import read_only
-from loopelastica._checks import flag, shown
+from loopelastica._checks import flag, instance, shown
 from loopelastica.batch.journal import Record
-from loopelastica.batch.run import Row, Run, Task, Work, distinct, run, tasks_of
+from loopelastica.batch.run import Row, Task, Work, distinct, run, tasks_of
 from loopelastica.batch.sources import structure_files
 from loopelastica.batch.workers import check_workers
 from loopelastica.errors import LoopelasticaError, StructureError
-from loopelastica.folding.library import (
-    COPY_A,
-    MAX_NUCLEOTIDES,
-    MIN_NUCLEOTIDES,
-    FoundLoop,
-    Library,
-)
+from loopelastica.folding.library import MAX_NUCLEOTIDES, MIN_NUCLEOTIDES, Library
 from loopelastica.folding.library_file import check_place, save_library
+from loopelastica.folding.shape_table import COPY_A, FoundLoop
 from loopelastica.molecule.clamp_rule import plain_clamp
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
 from loopelastica.molecule.identity import entry_of
@@ -55,19 +50,12 @@ def shape_file(task: Task) -> Record:
     structure = read_structure(source, limits)
     found = find_hairpins(structure, min_loop=MIN_NUCLEOTIDES, max_loop=MAX_NUCLEOTIDES)
     entry = entry_of(source)
-    rows, failures = [], []
-    for hairpin in found:
-        try:
-            rows.append(_row(structure, hairpin, entry, with_contacts))
-        except StructureError as error:
-            failures.append(f"{source}: {error}")
-    return {"rows": rows, "failures": failures}
+    return {"rows": [_row(structure, h, entry, with_contacts) for h in found], "failures": []}
 
 
 def _row(structure: Structure, hairpin: Hairpin, entry: str, with_contacts: bool) -> dict[str, Any]:
     table = structure.nucleotides
     source = f"{entry} {_place(table, hairpin)}"
-    made = loop_shape(table, hairpin, structure.positions(0), source)
     row: dict[str, Any] = {
         "loop": hairpin.name,
         "entry": entry,
@@ -75,10 +63,13 @@ def _row(structure: Structure, hairpin: Hairpin, entry: str, with_contacts: bool
         "nucleotides": len(hairpin),
         "sequence": hairpin.sequence.replace("T", "U"),
         "stem_rms_A": None,
-        "left_out": "a backbone atom is missing",
     }
+    try:
+        made = loop_shape(table, hairpin, structure.positions(0), source)
+    except StructureError:
+        return {**row, "left_out": "its stem cannot be placed"}
     if made is None:
-        return row
+        return {**row, "left_out": "a backbone atom is missing"}
     shape, stem = made
     ends = stem.ends(plain_clamp(hairpin.is_dna))
     reasons = (
@@ -112,6 +103,30 @@ def _is_sound(shape: LoopShape) -> bool:
 SHAPES = Work("loops", shape_file, COLUMNS, lambda task, record: True)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class LibraryBuild:
+    """What has come of many files.
+
+    Attributes
+    ----------
+    library : Library
+        What was written.
+    table : Path
+        A row per loop found.
+    n_files, n_resumed : int
+        Files; those that were done before.
+    failures, notes : tuple of str
+        One sentence for each file that failed; for what was left out, and why.
+    """
+
+    library: Library
+    table: Path
+    n_files: int
+    n_resumed: int
+    failures: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
 def build_library(
     sources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     out: str | os.PathLike[str],
@@ -122,7 +137,7 @@ def build_library(
     progress: bool = False,
     limits: Limits | None = None,
     wording: Callable[[str], str] = str,
-) -> Run:
+) -> LibraryBuild:
     """Make a library of the hairpin loops of many structures.
 
     Taken are loops of 3 to 12 nucleotides in the first model of a file, all atoms of whose backbone
@@ -154,13 +169,13 @@ def build_library(
 
     Returns
     -------
-    Run
-        What was done; its notes say what was left out, and why.
+    LibraryBuild
 
     Raises
     ------
     ValueError
-        If a folder holds no structure, or an argument cannot be understood.
+        If `sources` is empty or has a folder without structures, or an argument cannot be
+        understood.
     TakenError
         If a file is in the place of the library that is none.
     LoopelasticaError
@@ -170,20 +185,20 @@ def build_library(
     --------
     >>> import tempfile
     >>> from loopelastica._files import data_path
-    >>> from loopelastica.folding.library_file import load_library
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     run = build_library(data_path("hairpins"), f"{folder}/loops.lib")
-    ...     print(len(load_library(f"{folder}/loops.lib")))
-    1
+    ...     print(build_library(data_path("hairpins"), f"{folder}/loops.lib").library)
+    <Library of 1 loop: RNA4>
     """
+    if not isinstance(out, str | os.PathLike):
+        raise ValueError(f"`out` is {shown(out)}; it must be a path")
     out = Path(out)
-    options = {"with_contacts": flag("with_contacts", with_contacts)} | asdict(limits or Limits())
+    limits = instance("limits", Limits() if limits is None else limits, Limits)
+    options = {"with_contacts": flag("with_contacts", with_contacts), **asdict(limits)}
     check_workers(jobs, scheduler)
     files, again = distinct(_files(sources))
     check_place(out)
     folder = out.with_name(f"{out.name}.run")
-    tasks = tasks_of(files, options, folder)
-    done = run(SHAPES, tasks, folder, jobs, scheduler, progress, wording)
+    done = run(SHAPES, tasks_of(files, options, folder), folder, jobs, scheduler, progress, wording)
     loops: list[FoundLoop] = []
     left_out: Counter[str] = Counter()
     with_loop = set()
@@ -193,31 +208,41 @@ def build_library(
             loops.append(_loop(row))
         else:
             left_out[row["left_out"]] += 1
-    if not loops:
-        raise LoopelasticaError(
-            f"{out}: no loop for a library in {done.n_files} files, so none is written; what was"
-            f" found is in {folder}"
-        )
     library = Library.of(loops)
-    save_library(library, out)
-    notes = [*again, *done.notes, *_left_out(left_out, len(loops) - len(library))]
+    notes = [*_left_out(left_out, len(loops) - len(library))]
     if none := done.n_files - len(with_loop):
-        files = "1 file has" if none == 1 else f"{none} files have"
-        notes.append(f"{files} no loop of {MIN_NUCLEOTIDES} to {MAX_NUCLEOTIDES} nucleotides")
-    return replace(done, notes=tuple(notes))
+        have = "1 file has" if none == 1 else f"{none} files have"
+        notes.append(f"{have} no loop of {MIN_NUCLEOTIDES} to {MAX_NUCLEOTIDES} nucleotides")
+    if not library:
+        causes = "; ".join([*done.failures[:1], *notes])
+        raise LoopelasticaError(f"{out}: no library is written, for there is no loop: {causes}")
+    save_library(library, out)
+    return LibraryBuild(
+        library,
+        done.table,
+        done.n_files,
+        done.n_resumed,
+        done.failures,
+        (*again, *done.notes, *notes),
+    )
 
 
-def _files(sources: Any) -> Iterator[Path]:
+def _files(sources: Any) -> list[Path]:
     if isinstance(sources, str | os.PathLike):
         sources = [sources]
-    for source in sources:
-        if not isinstance(source, str | os.PathLike):
-            raise ValueError(f"`sources` holds {shown(source)}; it must be paths")
-        path = Path(source)
-        if path.is_dir():
-            yield from structure_files(path, deep=True, argument="sources")
-        else:
-            yield path
+    try:
+        given = list(sources)
+    except TypeError:
+        given = []
+    if not given or not all(isinstance(source, str | os.PathLike) for source in given):
+        raise ValueError(f"`sources` is {shown(sources)}; it must be one or more paths")
+    return [
+        file
+        for path in map(Path, given)
+        for file in (
+            structure_files(path, deep=True, argument="sources") if path.is_dir() else [path]
+        )
+    ]
 
 
 def _loop(row: Row) -> FoundLoop:

@@ -35,7 +35,6 @@ def build_library(
     command resumes a run that was stopped.
     """
     from loopelastica.batch.shapes import build_library as build
-    from loopelastica.folding.library_file import load_library
     from loopelastica.molecule.nucleotides import Limits
 
     o.refuse(o.either(jobs, scheduler))
@@ -51,8 +50,7 @@ def build_library(
             wording=in_options,
         )
     tell(
-        f"{done.n_files} files ({done.n_resumed} were done before), {len(load_library(out))} loops"
-        f" in {out}"
+        f"{done.n_files} files ({done.n_resumed} were done before), {len(done.library)} loops in {out}"
     )
     o.note(o.screenful(done.notes, "of the kind"))
     o.fail_of_many(done.failures, done.table.parent)

@@ -28,11 +28,12 @@ from loopelastica.folding.choice import (
     smooth_lines,
     weigh,
 )
-from loopelastica.folding.library import Library, ShapeTable, copies_of, letters_of
+from loopelastica.folding.library import Library
 from loopelastica.folding.library_file import load_library
 from loopelastica.folding.lines import ChainLine, chain_lines
 from loopelastica.folding.motifs import Motif, motif_of
 from loopelastica.folding.nearest import nearest
+from loopelastica.folding.shape_table import ShapeTable, copies_of, letters_of
 from loopelastica.molecule.ends import ClosingPoses
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.shapes import LoopShape, shape_between

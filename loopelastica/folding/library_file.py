@@ -30,7 +30,8 @@ from loopelastica._files import PROGRAM, TakenError, whole_file
 from loopelastica._names import printable
 from loopelastica._version import __version__
 from loopelastica.errors import LoopelasticaError
-from loopelastica.folding.library import Kind, Library, ShapeTable, copies_of
+from loopelastica.folding.library import Kind, Library
+from loopelastica.folding.shape_table import ShapeTable, copies_of
 from loopelastica.molecule.reading import first_line, name_of
 
 FORMAT: Final = 1
@@ -101,6 +102,17 @@ def load_library(path: str | os.PathLike[str]) -> Library:
         If the file is absent, damaged, no library, or of a later version.
     ValueError
         If `path` is no path.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from loopelastica._files import data_path
+    >>> from loopelastica.batch.shapes import build_library
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     build = build_library(data_path("hairpins"), f"{folder}/loops.lib")
+    ...     table = load_library(f"{folder}/loops.lib").of_length(4)
+    >>> print(table.sequence(0), table.sources[0], table.steps_A[0].round(1)[0])
+    CUUCGG 2koc A.5-A.10 [1.1 0.5 5.9]
     """
     if not isinstance(path, str | os.PathLike):
         raise ValueError(f"`path` is {shown(path)}; it must be the path of a library")
@@ -114,17 +126,26 @@ def load_library(path: str | os.PathLike[str]) -> Library:
 
 @functools.lru_cache(maxsize=4)
 def _opened(path: Path, stamp: tuple[int, ...]) -> Library:
-    archive = _archive(path)
-    counts = _about(path, archive)
+    tables = _Tables(path)
+    return Library(tables.counts, tables)
 
-    def table(kind: Kind) -> ShapeTable:
+
+class _Tables:
+    """The tables of a file, each read when it is asked for; a copy opens the file by itself."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.archive = path, _archive(path)
+        self.counts = _about(path, self.archive)
+
+    def __call__(self, kind: Kind) -> ShapeTable:
         try:
-            return _unpacked(archive, kind, counts[kind])
+            return _unpacked(self.archive, kind, self.counts[kind])
         # whatever a damaged archive provokes
         except Exception as error:
-            raise _damaged(path, first_line(error)) from error
+            raise _damaged(self.path, first_line(error)) from error
 
-    return Library(counts, table)
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _Tables, (self.path,)
 
 
 def _archive(path: Path) -> Any:

@@ -129,11 +129,23 @@ def of_length(n: int, is_dna: bool) -> Motif | None:
     return next((_motif(one) for one in of_kind if len(one["pattern"]) == n), None)
 
 
+def typical_spread_A(n: int) -> float:
+    """How far RNA loops of a length lie from their mean, Å; beyond the table in proportion."""
+    spreads = {
+        len(one["pattern"]): one["spread_A"]
+        for one in _content()["lengths"]
+        if one["kind"] == "RNA"
+    }
+    near = min(max(n, min(spreads)), max(spreads))
+    return float(spreads[near] * n / near)
+
+
 def errors_of(kind: str) -> Errors:
-    """How far answers of a kind are off: a motif or "same sequence", "mean", "library", "rod" …"""
+    """How far answers of a kind are off, such as "mean", "motif GNRA", "same sequence" or "rod"."""
     table = _content()["errors"]
     # a motif that is too rare to be judged alone errs as all of them
-    row = table.get(kind) or table["motif" if kind.startswith("motif ") else "mean"]
+    like = "motif" if kind.startswith("motif ") else "rod" if kind.startswith("rod ") else "mean"
+    row = table.get(kind) or table[like]
     return Errors(np.array(row["b"]), {c: np.array(q) for c, q in row["quantiles"].items()})
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
-from loopelastica.folding.library import Mask, ShapeTable
+from loopelastica.folding.shape_table import Mask, ShapeTable
 from loopelastica.molecule.ends import ClosingPoses
 
 CHUNK: Final = 20_000

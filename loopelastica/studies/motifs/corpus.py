@@ -20,9 +20,10 @@ from loopelastica._arrays import Array, Record
 from loopelastica.batch.sources import structure_files
 from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.fold import fold_model
-from loopelastica.folding.library import FoundLoop, Library, letters_of, table_of
+from loopelastica.folding.library import Library
 from loopelastica.folding.motifs import pattern_fits
 from loopelastica.folding.options import FoldOptions
+from loopelastica.folding.shape_table import FoundLoop, letters_of, table_of
 from loopelastica.molecule.clamp_rule import STEM_RMS_MAX_A
 from loopelastica.molecule.ends import ClosingPoses
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins

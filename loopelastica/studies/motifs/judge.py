@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from loopelastica._arrays import Array
 from loopelastica.folding.choice import distances_A
 from loopelastica.folding.known import Known, known_shapes
-from loopelastica.folding.library import Library, ShapeTable
+from loopelastica.folding.library import Library
+from loopelastica.folding.shape_table import ShapeTable
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.motifs.corpus import StudyLoop
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -167,7 +168,7 @@ def _covered(rows: Sequence[Row]) -> tuple[str, ...]:
         return f"{100.0 * (weights * inside)[of].sum() / total:.0f} %" if total else ""
 
     bounds = [*weighted_quantiles(middle, weights, [0.0, 0.25, 0.5, 0.75]), np.inf]
-    quarters = [(middle >= a) & (middle < b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    quarters = [(middle >= a) & (middle < b) for a, b in pairwise(bounds)]
     medians = [
         f"{weighted_quantiles(error[of], weights[of], [0.5])[0]:.1f}" for of in quarters if of.any()
     ]
