@@ -13,7 +13,14 @@ from dataclasses import dataclass
 from typing import Final
 
 from loopelastica._arrays import Array, Record
-from loopelastica.folding.known import Answer, Known, known_shapes, library_at, usable_shapes
+from loopelastica.folding.known import (
+    Answer,
+    Known,
+    known_shapes,
+    library_at,
+    rod_answers,
+    usable_shapes,
+)
 from loopelastica.folding.library import Library
 from loopelastica.folding.lines import CandidateLine, RodLine, chain_lines
 from loopelastica.folding.motifs import Motif, errors_of, motif_of, of_length, typical_spread_A
@@ -146,13 +153,13 @@ def hypotheses(
     answers = (
         _tabled(hairpin, poses, options, straight, bent)
         if known is None
-        else known.answers([x.trace for x in straight], [x.trace for x in bent])
+        else known.answers(straight, bent)
     )
     found = []
     for place, answer in enumerate(answers):
         line = lines[answer.rod] if answer.line is None else answer.line
         spread_A = _spread_A(known, answer.trace_A, len(hairpin))
-        expected = errors_of(answer.kind).at(spread_A, len(hairpin))
+        expected = errors_of(answer.kind).at(spread_A, answer.energy, len(hairpin))
         found.append(Hypothesis(line, _called(answer), expected, place))
     return tuple(found)
 
@@ -176,9 +183,15 @@ def straight_rods(
     tuple of Hypothesis
     """
     n = len(hairpin)
-    expected = [errors_of(kind).at(typical_spread_A(n), n) for kind in ("rod", "further rod")]
+    spread_A = typical_spread_A(n)
     return tuple(
-        Hypothesis(RodLine(rod, ends), STRAIGHT, expected[k > 0], k) for k, rod in enumerate(rods)
+        Hypothesis(
+            RodLine(rod, ends),
+            STRAIGHT,
+            errors_of("further rod" if k else "rod").at(spread_A, rod.energy, n),
+            k,
+        )
+        for k, rod in enumerate(rods)
     )
 
 
@@ -212,11 +225,8 @@ def _tabled(
     bent: Sequence[RodLine],
 ) -> list[Answer]:
     """Answers without a library: the mean of the motif or the length, then the rods."""
-    rods = [
-        *(Answer("rod" if k == 0 else "further rod", x.trace, rod=k)
-          for k, x in enumerate(straight)),
-        *(Answer(SURROUNDED, x.trace, rod=len(straight) + k) for k, x in enumerate(bent)),
-    ]  # fmt: skip
+    first, among = rod_answers(straight, bent)
+    rods = [*first, *among]
     # whether its loops are relatives of this one nobody can say of a mean
     if options.shapes == "rod" or options.exclude_relatives:
         return rods
@@ -226,7 +236,7 @@ def _tabled(
     (line,) = (None,) if mean is None else chain_lines([mean.shape], poses, hairpin.is_dna)
     if line is None:
         return rods
-    answer = Answer(kind, line.trace, line)
+    answer = Answer(kind, line.trace, line.energy, line)
     return [rods[0], answer, *rods[1:]] if hairpin.is_dna else [answer, *rods]
 
 
