@@ -95,7 +95,7 @@ def test_what_cannot_be_shown_is_refused_all_the_same():
 
 def test_one_of_some_texts_is_itself_and_any_other_names_them():
     assert one_of("default", "energy")("rank", "energy") == "energy"
-    with pytest.raises(ValueError, match="^`rank` is 'Energy'; it must be 'default' or 'energy'$"):
+    with pytest.raises(ValueError, match=r"^`rank` is 'Energy'; it must be 'default' or 'energy'$"):
         one_of("default", "energy")("rank", "Energy")
 
 
@@ -103,5 +103,5 @@ def test_the_name_of_a_file_is_a_path_or_a_text(tmp_path):
     assert file_name("like", tmp_path / "a b.pdb") == str(tmp_path / "a b.pdb")
     assert file_name("like", "a.pdb:A.4-A.9") == "a.pdb:A.4-A.9"
     for nothing in ("", " ", "a\0b"):
-        with pytest.raises(ValueError, match="^`like` is .*; it must be the name of a file$"):
+        with pytest.raises(ValueError, match=r"^`like` is .*; it must be the name of a file$"):
             file_name("like", nothing)
