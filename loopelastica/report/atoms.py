@@ -3,9 +3,10 @@
 The full structure is written with one MODEL per candidate, in their order. A candidate whose atoms
 are not sound (a wrong hand, a bond off by 0.05 Å, an angle off by 10°, a contact below 2.2 Å, no
 convergence) is left out and reported in atoms.json. All atoms but the loop's keep number, name and
-coordinates; those of the loop have the error to expect as B factor. Hydrogens of the file's own loop are gone with it: a model has heavy atoms. Waters
-within 3 Å of any model are left out, for they were placed around the file's own loop. Names are
-today's wwPDB names; a modified nucleotide that cannot be built is written as its parent.
+coordinates; those of the loop have the error to expect as B factor. Hydrogens of the file's own
+loop are gone with it: a model has heavy atoms. Waters within 3 Å of any model are left out, for
+they were placed around the file's own loop. Names are today's wwPDB names; a modified nucleotide
+that cannot be built is written as its parent.
 """
 
 from __future__ import annotations

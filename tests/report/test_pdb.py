@@ -3,6 +3,7 @@
 import dataclasses
 import gzip
 import json
+import math
 import warnings
 
 import numpy as np
@@ -11,7 +12,15 @@ import pytest
 import loopelastica as le
 from loopelastica._files import data_path
 from loopelastica.molecule.nucleotides import read_structure
-from loopelastica.report.pdb import WholeStructure, bond_records, one_letter_chains, point_records
+from loopelastica.report.pdb import (
+    B_MAX_A2,
+    WholeStructure,
+    b_factor,
+    bond_records,
+    expected_records,
+    one_letter_chains,
+    point_records,
+)
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
 
@@ -206,9 +215,41 @@ def test_names_of_residues_and_insertion_codes_keep_their_columns(koc, fold):
     icode[:2] = ["\n", "AB"]
     loop = dataclasses.replace(fold, hairpin=dataclasses.replace(fold.hairpin, icode=icode))
     structure = dataclasses.replace(koc, nucleotides=table)
-    records = point_records(loop, structure, fold.candidates[0].trace, "A", 1, 1)
+    records = point_records(loop, structure, fold.candidates[0], "A", 1)
     assert [s[17:20] for s in records] == ["a_b", "U_C", "  _", "ABC"]
     assert [s[26] for s in records] == ["_", "A", " ", " "]
     np.testing.assert_allclose(
         [float(s[30:38]) for s in records], fold.candidates[0].trace[:, 0], atol=1e-3
     )
+
+
+def test_the_b_factor_is_that_of_an_error():
+    # mean square displacement along one axis is B over 8π², and an error has three axes
+    for error in (0.5, 1.0, 2.0):
+        assert b_factor(error) / (8 * math.pi**2) == pytest.approx(error**2 / 3)
+    assert b_factor(0.0) == 0.0
+    assert b_factor(50.0) == B_MAX_A2
+    assert len(f"{b_factor(50.0):6.2f}") == 6
+
+
+@pytest.mark.parametrize(
+    "shape", ["like a\nATOM", "like " + "x" * 200, "like é\x1b[2J", "like 環", "motif GNRA"]
+)
+def test_remarks_on_candidates_are_records_of_the_format(fold, shape):
+    odd = dataclasses.replace(fold.candidates[0], shape=shape)
+    for record in expected_records([odd]):
+        assert record.startswith("REMARK  99 ")
+        assert len(record) <= 80
+        assert record.isascii()
+        assert record.isprintable()
+    assert expected_records([odd])[1].startswith(f"REMARK  99 CANDIDATE 1: {shape[:4]}")
+
+
+def test_the_whole_structure_says_what_its_loop_is(shipped):
+    folder, fold = shipped
+    text = (folder / "whole.pdb").read_text()
+    assert f"REMARK  99 CANDIDATE 1: {fold.candidates[0].shape}" in text
+    points, _ = points_and_rest(folder / "whole.pdb")
+    expected = b_factor(float(fold.candidates[0].expected_rmsd_A[1]))
+    (written,) = {float(s[60:66]) for s in points}
+    assert written == pytest.approx(expected, abs=0.006)
