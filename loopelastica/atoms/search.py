@@ -23,7 +23,7 @@ from loopelastica.atoms.checks import Checks, check
 from loopelastica.atoms.measures import angles_deg, bond_lengths
 from loopelastica.atoms.minimum import Problem, mended, minimum
 from loopelastica.atoms.relax import Relaxed
-from loopelastica.atoms.site import GRID_A, Site
+from loopelastica.atoms.site import Site
 from loopelastica.atoms.start import start_on
 from loopelastica.atoms.turn import Turns, turned
 
@@ -180,8 +180,7 @@ def best_near(site: Site, line: Curve, limits: Limits, near: Array) -> tuple[Att
     end = time.monotonic() + limits.max_seconds
     n = site.molecule.n
     unturned = Turns((0.0,) * n, (0.0,) * n, 0.0)
-    given = np.isfinite(near) & site.moving[:, None]
-    start = np.where(given, np.round(near, GRID_A), start_on(site, line, unturned))
+    start = start_on(site, line, unturned, near)
     problem = Problem.at(site)
     attempts: list[Attempt] = []
     for tether_sd in NEAR_SD_A:

@@ -28,7 +28,6 @@ from loopelastica.atoms.gap_site import LocalCurve, gap_site, numbered
 from loopelastica.atoms.measures import rigid_fit
 from loopelastica.atoms.relax import Relaxed
 from loopelastica.atoms.search import Limits, best_near, best_on
-from loopelastica.atoms.site import Site
 from loopelastica.atoms.start import FEWEST_FITTED
 from loopelastica.atoms.turn import Turns, check_contact
 from loopelastica.errors import StructureError
@@ -174,7 +173,7 @@ def build_strand(
     if near is None:
         best, _, attempts = best_on(site, local, limits, contact=contact)
     else:
-        best, attempts = best_near(site, local, limits, _local(site, near))
+        best, attempts = best_near(site, local, limits, site.given(near))
     positions = site.in_file(best.relaxed.positions_A)
     return StrandModel(
         gap,
@@ -235,16 +234,6 @@ def complete_nucleotide(
     # a nucleotide at an end of its chain has but one neighbour
     gap = Gap((monomer,), before, after)  # type: ignore[arg-type]
     return build_strand(gap, curve, atoms, **options)
-
-
-def _local(site: Site, near: Mapping[str, Mapping[str, Array]]) -> Array:
-    """Given positions (N, 3) in the frame of a site; NaN where none is given."""
-    nowhere = np.full(3, np.nan)
-    given = [
-        near.get(site.labels[k], {}).get(name, nowhere)
-        for name, k in zip(site.molecule.names, site.molecule.residue, strict=True)
-    ]
-    return np.asarray((np.array(given) - site.origin) @ site.frame)
 
 
 def _waters(atoms: HeavyAtoms, built: Array) -> NDArray[np.int64]:
