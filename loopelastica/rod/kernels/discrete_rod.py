@@ -9,8 +9,8 @@ multiplier is the force F. The frames are varied by R → R exp(b). With P = 1 +
     gradient    +Pᵀ m on b_k,  −P m on b_k−1
     Hessian     Pᵀ K P/h + sym(A P),  P K Pᵀ/h + sym(B Pᵀ) on the diagonal,
                 −P (K P/h + Aᵀ) between k−1 and k,  A, B = ∂(Pᵀm)/∂ω, ∂(P m)/∂ω at fixed m
-    stiffness   l_k (g3 1 − (g e3ᵀ + e3 gᵀ)/2),  g = R_kᵀ F
-    constraint  C_k = −l_k R_k [e3]
+    stiffness   v·g 1 − (g vᵀ + v gᵀ)/2,  g = R_kᵀ F,  v = l_k e3
+    constraint  C_k = −R_k [v]
 
 which is exact. A free end spin is one more variable: the last clamp may turn about its tangent.
 Linear systems in H are block tridiagonal with 3×3 blocks.
@@ -24,7 +24,7 @@ import numpy as np
 from loopelastica._arrays import Array
 from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.linalg import inverse3, negative_eigenvalues
-from loopelastica.rod.kernels.rotations import directors, logarithm, product, tangent
+from loopelastica.rod.kernels.rotations import cross, directors, logarithm, product, tangent
 
 
 class DiscreteRod(NamedTuple):
@@ -102,126 +102,173 @@ def hinge_length(s, j):
 
 @kernel
 def assemble(rod, k3, force, hessian):
-    """Fill ``hessian`` at a rod whose ``omega`` are there already, with ``force`` (3,).
-
-    With W = [ω], W³ = −a² W, m·ω (``dot``) and m × ω (``side``) all products of the module's head
-    are sums of 1, [ω], [m] and dyads of ω, m, m × ω and the third row and column of P.
-    """
-    s, frames, omega = rod.s, rod.frames, hessian.omega
-    diagonal, upper = hessian.diagonal, hessian.upper
-    gradient, sides = hessian.gradient, hessian.sides
-    n, blocks = s.shape[0] - 1, gradient.shape[0]
-    w, m, row, column = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    v, side, moved = np.empty(3), np.empty(3), np.empty(3)
-    for k in range(blocks):
-        for i in range(3):
-            gradient[k, i] = 0.0
-            for j in range(3):
-                diagonal[k, i, j] = 0.0
-                upper[k, i, j] = 0.0
-                sides[k, i, j] = 0.0
+    """Fill ``hessian`` at a rod whose ``omega`` are there already, with ``force`` (3,)."""
+    s, frames = rod.s, rod.frames
+    n = s.shape[0] - 1
+    clear(hessian)
     for hinge in range(n + 1):
-        x, y, z = omega[hinge, 0], omega[hinge, 1], omega[hinge, 2]
         h = hinge_length(s, hinge)
-        a2 = x * x + y * y + z * z
-        if a2 > 1e-2:
-            half = 0.5 * math.sqrt(a2)
-            cot = 1.0 / math.tan(half)
-            c2 = (1.0 - half * cot) / a2
-            # (dc2/da)/a, a = |ω|
-            dc2 = ((-0.5 * cot + 0.5 * half * (1.0 + cot * cot)) / (2.0 * half) - 2.0 * c2) / a2
-        else:
-            c2 = 1.0 / 12.0 + a2 / 720.0 + a2 * a2 / 30240.0
-            dc2 = 1.0 / 360.0 + a2 / 7560.0 + a2 * a2 / 201600.0
-        w[0], w[1], w[2] = x, y, z
-        m[0], m[1], m[2] = x / h, y / h, k3 * z / h
-        side[0], side[1], side[2] = m[1] * z - m[2] * y, m[2] * x - m[0] * z, m[0] * y - m[1] * x
-        dot = x * m[0] + y * m[1] + z * m[2]
-        # third row and column of P = 1 + W/2 + c2 W²
-        row[0], row[1], row[2] = c2 * x * z - 0.5 * y, c2 * y * z + 0.5 * x, 1.0 + c2 * (z * z - a2)
-        column[0], column[1], column[2] = c2 * x * z + 0.5 * y, c2 * y * z - 0.5 * x, row[2]
-        uniform = 1.0 - c2 * a2
-        excess = (k3 - 1.0) / h
-        # PᵀP = PPᵀ = 1 + square W²
-        square = 2.0 * c2 - 0.25 - c2 * c2 * a2
-        one = (1.0 - square * a2) / h + dot * (c2 * uniform - 0.25)
-        both = square / h + dot * (2.0 * c2 * c2 + dc2)
-        bent = c2 * uniform - 2.0 * c2 - dc2 * a2 + 0.25
-        before, after = hinge - 1, hinge
-        if before >= 0:
-            for i in range(3):
-                # P m
-                moved[i] = uniform * m[i] + c2 * dot * w[i] - 0.5 * side[i]
-                gradient[before, i] -= moved[i]
-                v[i] = 0.5 * (bent * m[i] - c2 * side[i])
-            for i in range(3):
-                diagonal[before, i, i] += one
-                for j in range(3):
-                    diagonal[before, i, j] += (
-                        both * w[i] * w[j]
-                        + v[i] * w[j]
-                        + w[i] * v[j]
-                        + excess * column[i] * column[j]
-                    )
-        # the last clamp, if free, may only turn about its tangent
-        first = 2 if after == n else 0
-        if after < blocks:
-            for i in range(first):
-                diagonal[after, i, i] = 1.0
-            for i in range(3):
-                v[i] = 0.5 * (bent * m[i] + c2 * side[i])
-            for i in range(first, 3):
-                gradient[after, i] += uniform * m[i] + c2 * dot * w[i] + 0.5 * side[i]
-                diagonal[after, i, i] += one
-                for j in range(first, 3):
-                    diagonal[after, i, j] += (
-                        both * w[i] * w[j] + v[i] * w[j] + w[i] * v[j] + excess * row[i] * row[j]
-                    )
-        if before >= 0 and after < blocks:
-            # −P (K P/h + Aᵀ) with P² = 1 + uniform W + (square + 1/2) W²
-            square += 0.5
-            one = (1.0 - square * a2) / h + c2 * dot * uniform + 0.25 * dot
-            both = square / h + c2 * c2 * dot + dc2 * dot
-            for i in range(3):
-                v[i] = 0.5 * c2 * side[i] - (2.0 * c2 + dc2 * a2) * m[i]
-                moved[i] = c2 * moved[i] - 0.25 * m[i]
-            for i in range(3):
-                for j in range(first, 3):
-                    upper[before, i, j] = -(
-                        both * w[i] * w[j]
-                        + moved[i] * w[j]
-                        + w[i] * v[j]
-                        + excess * column[i] * row[j]
-                    )
-            # what multiplies [ω] and [m]
-            turned, straight = uniform / h + 0.5 * c2 * dot, -0.5 * uniform
-            rx = turned * x + straight * m[0]
-            ry = turned * y + straight * m[1]
-            rz = turned * z + straight * m[2]
-            if first == 0:
-                upper[before, 0, 0] -= one
-                upper[before, 1, 1] -= one
-                upper[before, 0, 1] += rz
-                upper[before, 1, 0] -= rz
-                upper[before, 2, 0] += ry
-                upper[before, 2, 1] -= rx
-            upper[before, 2, 2] -= one
-            upper[before, 0, 2] -= ry
-            upper[before, 1, 2] += rx
+        add_hinge(hessian, hinge, 1.0 / h, k3 / h, 0.0, 0.0, 1.0)
+    if hessian.gradient.shape[0] > n:
+        keep_spin(hessian, 0.0, 0.0, 1.0)
     for k in range(n):
-        d1x, d1y, d1z, d2x, d2y, d2z, d3x, d3y, d3z = directors(frames[k + 1])
-        length = s[k + 1] - s[k]
-        gx = d1x * force[0] + d1y * force[1] + d1z * force[2]
-        gy = d2x * force[0] + d2y * force[1] + d2z * force[2]
-        gz = d3x * force[0] + d3y * force[1] + d3z * force[2]
-        diagonal[k, 0, 0] += length * gz
-        diagonal[k, 1, 1] += length * gz
-        diagonal[k, 0, 2] -= 0.5 * length * gx
-        diagonal[k, 2, 0] -= 0.5 * length * gx
-        diagonal[k, 1, 2] -= 0.5 * length * gy
-        diagonal[k, 2, 1] -= 0.5 * length * gy
-        sides[k, 0, 0], sides[k, 0, 1], sides[k, 0, 2] = -length * d2x, -length * d2y, -length * d2z
-        sides[k, 1, 0], sides[k, 1, 1], sides[k, 1, 2] = length * d1x, length * d1y, length * d1z
+        add_segment(hessian, k, frames[k + 1], 0.0, 0.0, s[k + 1] - s[k], force)
+
+
+@kernel
+def clear(hessian):
+    """Set all but ``omega`` to zero."""
+    for k in range(hessian.gradient.shape[0]):
+        for i in range(3):
+            hessian.gradient[k, i] = 0.0
+            for j in range(3):
+                hessian.diagonal[k, i, j] = 0.0
+                hessian.upper[k, i, j] = 0.0
+                hessian.sides[k, i, j] = 0.0
+
+
+@kernel
+def add_hinge(hessian, hinge, bending, torsion, tx, ty, tz):
+    """Add a hinge whose ω is there: ω·K·ω/2, K ``torsion`` along t and ``bending`` across.
+
+    With W = [ω], W³ = −a² W, m = K ω, m·ω (``dot``) and m × ω (``side``) all products of the
+    module's head are sums of 1, [ω], [m] and dyads of ω, m, m × ω, P t (``column``) and Pᵀ t
+    (``row``).
+    """
+    diagonal, upper, gradient = hessian.diagonal, hessian.upper, hessian.gradient
+    omega, blocks = hessian.omega, gradient.shape[0]
+    x, y, z = omega[hinge, 0], omega[hinge, 1], omega[hinge, 2]
+    a2 = x * x + y * y + z * z
+    if a2 > 1e-2:
+        half = 0.5 * math.sqrt(a2)
+        cot = 1.0 / math.tan(half)
+        c2 = (1.0 - half * cot) / a2
+        # (dc2/da)/a, a = |ω|
+        dc2 = ((-0.5 * cot + 0.5 * half * (1.0 + cot * cot)) / (2.0 * half) - 2.0 * c2) / a2
+    else:
+        c2 = 1.0 / 12.0 + a2 / 720.0 + a2 * a2 / 30240.0
+        dc2 = 1.0 / 360.0 + a2 / 7560.0 + a2 * a2 / 201600.0
+    along = x * tx + y * ty + z * tz
+    w = (x, y, z)
+    m = (
+        bending * (x - along * tx) + torsion * along * tx,
+        bending * (y - along * ty) + torsion * along * ty,
+        bending * (z - along * tz) + torsion * along * tz,
+    )
+    side = cross(m[0], m[1], m[2], x, y, z)
+    dot = x * m[0] + y * m[1] + z * m[2]
+    uniform = 1.0 - c2 * a2
+    # P t and Pᵀ t, P = 1 + W/2 + c2 W²
+    ax, ay, az = cross(0.5 * x, 0.5 * y, 0.5 * z, tx, ty, tz)
+    ex, ey, ez = (
+        c2 * along * x + uniform * tx, c2 * along * y + uniform * ty, c2 * along * z + uniform * tz
+    )  # fmt: skip
+    column, row = (ex + ax, ey + ay, ez + az), (ex - ax, ey - ay, ez - az)
+    excess = torsion - bending
+    # PᵀP = PPᵀ = 1 + square W²
+    square = 2.0 * c2 - 0.25 - c2 * c2 * a2
+    one = (1.0 - square * a2) * bending + dot * (c2 * uniform - 0.25)
+    both = square * bending + dot * (2.0 * c2 * c2 + dc2)
+    bent = c2 * uniform - 2.0 * c2 - dc2 * a2 + 0.25
+    before, after = hinge - 1, hinge
+    # P m and Pᵀ m
+    ax, ay, az = 0.5 * side[0], 0.5 * side[1], 0.5 * side[2]
+    ex, ey, ez = (
+        uniform * m[0] + c2 * dot * x, uniform * m[1] + c2 * dot * y, uniform * m[2] + c2 * dot * z
+    )  # fmt: skip
+    moved = (ex - ax, ey - ay, ez - az)
+    bx, by, bz = 0.5 * bent * m[0], 0.5 * bent * m[1], 0.5 * bent * m[2]
+    if before >= 0:
+        gradient[before, 0] -= moved[0]
+        gradient[before, 1] -= moved[1]
+        gradient[before, 2] -= moved[2]
+        v = (bx - c2 * ax, by - c2 * ay, bz - c2 * az)
+        _add(diagonal[before], 1.0, one, both, w, v, v, excess, column, column)
+    if after < blocks:
+        gradient[after, 0] += ex + ax
+        gradient[after, 1] += ey + ay
+        gradient[after, 2] += ez + az
+        v = (bx + c2 * ax, by + c2 * ay, bz + c2 * az)
+        _add(diagonal[after], 1.0, one, both, w, v, v, excess, row, row)
+    if before >= 0 and after < blocks:
+        # −P (K P/h + Aᵀ) with P² = 1 + uniform W + (square + 1/2) W²
+        square += 0.5
+        one = (1.0 - square * a2) * bending + c2 * dot * uniform + 0.25 * dot
+        both = square * bending + c2 * c2 * dot + dc2 * dot
+        left = (
+            c2 * moved[0] - 0.25 * m[0], c2 * moved[1] - 0.25 * m[1], c2 * moved[2] - 0.25 * m[2]
+        )  # fmt: skip
+        spare = 2.0 * c2 + dc2 * a2
+        v = (c2 * ax - spare * m[0], c2 * ay - spare * m[1], c2 * az - spare * m[2])
+        _add(upper[before], -1.0, one, both, w, left, v, excess, column, row)
+        # what multiplies [ω] and [m]
+        turned, straight = uniform * bending + 0.5 * c2 * dot, -0.5 * uniform
+        rx = turned * x + straight * m[0]
+        ry = turned * y + straight * m[1]
+        rz = turned * z + straight * m[2]
+        upper[before, 0, 1] += rz
+        upper[before, 1, 0] -= rz
+        upper[before, 2, 0] += ry
+        upper[before, 0, 2] -= ry
+        upper[before, 2, 1] -= rx
+        upper[before, 1, 2] += rx
+
+
+@kernel
+def _add(block, sign, one, both, w, left, right, excess, a, b):
+    """Add one·1 + both·w wᵀ + left wᵀ + w rightᵀ + excess·a bᵀ, times ``sign``, to a block."""
+    for i in range(3):
+        u, t, e = sign * (both * w[i] + left[i]), sign * w[i], sign * excess * a[i]
+        block[i, 0] += u * w[0] + t * right[0] + e * b[0]
+        block[i, 1] += u * w[1] + t * right[1] + e * b[1]
+        block[i, 2] += u * w[2] + t * right[2] + e * b[2]
+        block[i, i] += sign * one
+
+
+@kernel
+def keep_spin(hessian, tx, ty, tz):
+    """Leave the last block, the free clamp's, one variable: the turn about t, in third place."""
+    last = hessian.gradient.shape[0] - 1
+    diagonal, upper, gradient = hessian.diagonal[last], hessian.upper, hessian.gradient
+    t = (tx, ty, tz)
+    slope, curvature = 0.0, 0.0
+    for i in range(3):
+        slope += gradient[last, i] * t[i]
+        for j in range(3):
+            curvature += t[i] * diagonal[i, j] * t[j]
+    for i in range(3):
+        gradient[last, i] = 0.0
+        for j in range(3):
+            diagonal[i, j] = 1.0 if i == j else 0.0
+        coupling = 0.0
+        for j in range(3):
+            coupling += upper[last - 1, i, j] * t[j]
+            upper[last - 1, i, j] = 0.0
+        upper[last - 1, i, 2] = coupling
+    gradient[last, 2], diagonal[2, 2] = slope, curvature
+
+
+@kernel
+def add_segment(hessian, k, frame, x, y, z, force):
+    """Add segment ``k``, whose vector in its ``frame`` (4,) is v: stiffness and constraint."""
+    diagonal, sides = hessian.diagonal, hessian.sides
+    d1x, d1y, d1z, d2x, d2y, d2z, d3x, d3y, d3z = directors(frame)
+    v = (x, y, z)
+    g = (
+        d1x * force[0] + d1y * force[1] + d1z * force[2],
+        d2x * force[0] + d2y * force[1] + d2z * force[2],
+        d3x * force[0] + d3y * force[1] + d3z * force[2],
+    )
+    along = g[0] * x + g[1] * y + g[2] * z
+    for i in range(3):
+        diagonal[k, i, i] += along
+        for j in range(3):
+            diagonal[k, i, j] -= 0.5 * (g[i] * v[j] + v[i] * g[j])
+    columns = (d1x, d2x, d3x), (d1y, d2y, d3y), (d1z, d2z, d3z)
+    for i in range(3):
+        # −R [v], transposed: v × d
+        a, b, c = columns[i]
+        sides[k, 0, i], sides[k, 1, i], sides[k, 2, i] = cross(x, y, z, a, b, c)
 
 
 @kernel

@@ -37,8 +37,8 @@ _FLOOR, _SHIFT = 1e-6, 4.0
 _CLOSED, _BALANCED = 1e-4, 1e-3
 
 
-class _Step(NamedTuple):
-    """Room for a Newton step of the constrained problem."""
+class Step(NamedTuple):
+    """Room for a Newton step of the constrained problem; chains take it too."""
 
     inverse: Array
     """(blocks, 3, 3): inverse pivots."""
@@ -55,7 +55,20 @@ class _Step(NamedTuple):
 
 
 @kernel
-def _imbalance(hessian, force):
+def new_step(blocks):
+    """Room for a step of so many blocks."""
+    return Step(
+        np.empty((blocks, 3, 3)),
+        np.empty((blocks, 3, 4)),
+        np.empty((3, 3)),
+        np.empty(3),
+        np.empty((blocks, 3)),
+        np.empty(3),
+    )
+
+
+@kernel
+def imbalance(hessian, force):
     """Largest component of the Lagrangian's gradient, relative to 1 + |F|."""
     gradient, sides = hessian.gradient, hessian.sides
     size = math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
@@ -70,7 +83,7 @@ def _imbalance(hessian, force):
 
 
 @kernel
-def _newton_step(hessian, s, once, shift, step):
+def newton_step(hessian, s, once, shift, step):
     """Solve the constrained Newton equations, H shifted until the step is short and goes downhill.
 
     Fills ``step`` but for its constraint, which is read. With ``once`` H keeps the first shift.
@@ -93,7 +106,7 @@ def _newton_step(hessian, s, once, shift, step):
                 schur[i, j] = 0.0
         for k in range(s.shape[0] - 1):
             for i in range(3):
-                for a in range(2):
+                for a in range(3):
                     side = sides[k, a, i]
                     target[i] -= side * x[k, a, 0]
                     for j in range(3):
@@ -102,7 +115,7 @@ def _newton_step(hessian, s, once, shift, step):
         index = negative - count
         if index == 0 or once:
             inverse3(schur, step.schur_inverse)
-            _times(step.schur_inverse, target, step.multiplier)
+            times(step.schur_inverse, target, step.multiplier)
             downhill, largest = _combine(gradient, step)
             # barely convex: the step would be long, and no fraction of it any good
             if once or largest < _RADIUS:
@@ -112,7 +125,7 @@ def _newton_step(hessian, s, once, shift, step):
 
 
 @kernel
-def _times(a, v, out):
+def times(a, v, out):
     """Product a v of a (3, 3) and a (3,) array, into ``out``."""
     for i in range(3):
         out[i] = a[i, 0] * v[0] + a[i, 1] * v[1] + a[i, 2] * v[2]
@@ -143,32 +156,33 @@ def _line_search(rod, position, k3, step, energy, mu, downhill, t, omega, trial,
     the constraint's curvature back to zero. Returns the fraction taken (0 if none) and the energy.
     """
     shift, turned_back = np.empty(3), np.empty(3)
-    merit = energy + mu * _l1(step.constraint)
+    merit = energy + mu * l1(step.constraint)
     for attempt in range(12):
         enough = merit + 1e-4 * t * downhill + 1e-13 * abs(merit)
-        _move(rod, step, t, False, shift, trial)
+        move(rod, step, t, False, shift, trial)
         value = measure(trial, position, k3, omega, trial_c)
-        if value + mu * _l1(trial_c) <= enough:
+        if value + mu * l1(trial_c) <= enough:
             return t, value
         if attempt < 3:
-            _times(step.schur_inverse, trial_c, turned_back)
+            times(step.schur_inverse, trial_c, turned_back)
             for i in range(3):
                 shift[i] = -turned_back[i]
-            _move(rod, step, t, True, shift, trial)
+            move(rod, step, t, True, shift, trial)
             value = measure(trial, position, k3, omega, trial_c)
-            if value + mu * _l1(trial_c) <= enough:
+            if value + mu * l1(trial_c) <= enough:
                 return t, value
         t *= 0.4
     return 0.0, energy
 
 
 @kernel
-def _l1(c):
+def l1(c):
+    """|c|₁ of (3,)."""
     return abs(c[0]) + abs(c[1]) + abs(c[2])
 
 
 @kernel
-def _move(rod, step, t, corrected, extra, trial):
+def move(rod, step, t, corrected, extra, trial):
     """Fill ``trial`` with frames exp(t b), or frames exp(t b + W extra) with W = H⁻¹ Cᵀ."""
     frames, b, x = rod.frames, step.b, step.x
     last = frames.shape[0] - 1
@@ -197,24 +211,16 @@ def minimize(problem, torsion_ratio, rod, force, moment):
     position, s, n = problem.position, rod.s, rod.s.shape[0] - 1
     k3 = 1.0 if problem.free_spin else torsion_ratio
     hessian = new_hessian(n, problem.free_spin)
-    omega, blocks = hessian.omega, hessian.gradient.shape[0]
-    step = _Step(
-        np.empty((blocks, 3, 3)),
-        np.empty((blocks, 3, 4)),
-        np.empty((3, 3)),
-        np.empty(3),
-        np.empty((blocks, 3)),
-        np.empty(3),
-    )
+    omega, step = hessian.omega, new_step(hessian.gradient.shape[0])
     c, multiplier = step.constraint, step.multiplier
     trial, trial_c = DiscreteRod(s, np.empty((n + 2, 4))), np.empty(3)
     mu, shift, bows = 0.0, _FLOOR, 0
     energy = measure(rod, position, k3, omega, c)
     for iteration in range(_ITERATIONS):
         assemble(rod, k3, force, hessian)
-        norm_c = _l1(c)
-        done = norm_c < _CLOSED and _imbalance(hessian, force) < _BALANCED
-        index, shift, downhill, largest = _newton_step(
+        norm_c = l1(c)
+        done = norm_c < _CLOSED and imbalance(hessian, force) < _BALANCED
+        index, shift, downhill, largest = newton_step(
             hessian, s, done, _FLOOR if done else shift, step
         )
         largest_force = max(abs(multiplier[0]), abs(multiplier[1]), abs(multiplier[2]))
