@@ -1,6 +1,7 @@
 """Checks of arguments: each gives the value back in its own type or a ValueError that names it."""
 
 import math
+import os
 import reprlib
 from collections.abc import Callable
 from numbers import Real
@@ -84,6 +85,27 @@ def whole(least: int) -> Check:
 def optional(check: Check) -> Check:
     """None, or what another check lets pass."""
     return lambda name, value: None if value is None else check(name, value)
+
+
+def one_of(*names: str) -> Check:
+    """One of some texts."""
+
+    def check(name: str, value: Any) -> str:
+        if not (isinstance(value, str) and value in names):
+            known = " or ".join([", ".join(map(repr, names[:-1])), repr(names[-1])])
+            raise ValueError(f"`{name}` is {shown(value)}; it must be {known}")
+        return value
+
+    return check
+
+
+def file_name(name: str, value: Any) -> str:
+    """A path as a text, not empty."""
+    if isinstance(value, os.PathLike):
+        value = os.fspath(value)
+    if not isinstance(value, str) or not value.strip() or "\0" in value:
+        raise ValueError(f"`{name}` is {shown(value)}; it must be the name of a file")
+    return value
 
 
 def text(name: str, value: Any) -> str:

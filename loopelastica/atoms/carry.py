@@ -14,19 +14,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
+from loopelastica.folding.lines import CandidateLine, ChainLine, Rod
 from loopelastica.molecule.ends import StemEnds
 from loopelastica.molecule.strand_ends import StrandEnds
 from loopelastica.molecule.strands import Strand, line_cylinder, line_frame, line_length_A
-from loopelastica.rod.equilibrium import Equilibrium
-from loopelastica.rod.surrounded import SurroundedRod
 
-Rod: TypeAlias = Equilibrium | SurroundedRod
+# frames per nucleotide along a curve: neighbours differ by a few degrees
+_FRAMES: Final = 32
 
 
 def helix_twist(strand: Strand) -> float:
@@ -104,12 +104,10 @@ class Line:
         end_origin = start.T @ (ends.end_origin_A - ends.start_origin_A)
         # the rod's last frame and the clamp's differ by a turn about the common tangent
         turn = rod.frames(np.array([1.0]))[0].T @ end_frame
-        mismatch = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
-        helical = n * helix_twist(strand) - math.tau * rod.twist
-        whole = round((helical - mismatch) / math.tau)
+        spin = _spin(turn, n * helix_twist(strand) - math.tau * rod.twist)
         return cls(
             rod, strand, ends.length_A, clamp.stem_extend_5, n, clamp.stem_extend_3, clamp.taper,
-            end_origin, end_frame, mismatch + whole * math.tau,
+            end_origin, end_frame, spin,
         )  # fmt: skip
 
     def at(self, phases: ArrayLike) -> tuple[Array, Array]:
@@ -121,26 +119,130 @@ class Line:
         points = self.length_A * self.rod.centerline(s)
         frames = self.rod.frames(s) @ _about_d3(self.spin * s)
         for row in np.flatnonzero(phase < first):
-            points[row], frames[row] = self._beyond(
-                np.zeros(3), np.eye(3), 0.0, phase[row] - first, 0.0
+            points[row], frames[row] = _beyond(
+                self.strand, np.zeros(3), np.eye(3), 0.0, phase[row] - first
             )
         for row in np.flatnonzero(phase > last):
-            points[row], frames[row] = self._beyond(
-                self.end_origin_A, self.end_frame, -self.extend_3 - 0.5, phase[row] - last,
-                self.taper,
+            points[row], frames[row] = _beyond(
+                self.strand, self.end_origin_A, self.end_frame, -self.extend_3 - 0.5,
+                phase[row] - last, self.taper,
             )  # fmt: skip
         return points, frames
 
-    def _beyond(
-        self, origin: Array, frame: Array, start: float, phase: float, taper: float
-    ) -> tuple[Array, Array]:
-        """The pose reached from a given one by `phase` nucleotides along the stem's strand.
 
-        The given one is at the strand's own phase ``start``, which matters to a tapered one.
-        """
-        point_0, frame_0 = line_frame(self.strand, start, taper)
-        point, other = line_frame(self.strand, start + phase, taper)
-        return origin + frame @ frame_0.T @ (point - point_0), frame @ frame_0.T @ other
+@dataclass(frozen=True, slots=True, eq=False)
+class ChainCurve:
+    """The smooth curve of a chain with the stem's directors, in the frame of its start, Å.
+
+    Attributes
+    ----------
+    line : ChainLine
+    strand : Strand
+    phases : (m,) array
+        Where frames are kept, close to each other, from closing to closing nucleotide.
+    frames : (m, 3, 3) array
+        That turn with the tangent and nothing else.
+    spin : float
+        Turn of the directors against these over the whole length, rad.
+    """
+
+    line: ChainLine
+    strand: Strand
+    phases: Array
+    frames: Array
+    spin: float
+
+    @classmethod
+    def of(cls, line: ChainLine, strand: Strand) -> ChainCurve:
+        """The curve of a chain for a strand that is carried."""
+        steps = len(line) + 1
+        phases = np.linspace(0.0, steps, _FRAMES * steps + 1)
+        frames = [np.eye(3)]
+        for tangent in _unit(line.smooth(phases, 1))[1:]:
+            frames.append(_turned_to(tangent, frames[-1]))
+        spin = _spin(frames[-1].T @ line.poses.rotation, steps * helix_twist(strand))
+        return cls(line, strand, phases, np.array(frames), spin)
+
+    def at(self, phases: ArrayLike) -> tuple[Array, Array]:
+        """Points (m, 3) and frames (m, 3, 3), columns d1 d2 d3, at the phases (m,)."""
+        phase = np.atleast_1d(np.asarray(phases, dtype=np.float64))
+        last = self.phases[-1]
+        inside = np.clip(phase, 0.0, last)
+        kept = self.frames[np.searchsorted(self.phases, inside, side="right") - 1]
+        points, tangents = self.line.smooth(inside), _unit(self.line.smooth(inside, 1))
+        frames = np.array([_turned_to(*pair) for pair in zip(tangents, kept, strict=True)])
+        frames = frames @ _about_d3(self.spin * inside / last)
+        for row in np.flatnonzero(phase < 0.0):
+            points[row], frames[row] = _beyond(self.strand, np.zeros(3), np.eye(3), 0.0, phase[row])
+        end = self.line.poses
+        for row in np.flatnonzero(phase > last):
+            points[row], frames[row] = _beyond(
+                self.strand, end.position_A, end.rotation, 0.0, phase[row] - last
+            )
+        return points, frames
+
+
+def curve_on(line: CandidateLine, strand: Strand) -> Curve:
+    """What the nucleotides of a candidate are laid on, in the frame of its line's start.
+
+    Parameters
+    ----------
+    line : RodLine or ChainLine
+        The candidate's.
+    strand : Strand
+        What is carried.
+
+    Returns
+    -------
+    Curve
+    """
+    if isinstance(line, ChainLine):
+        return ChainCurve.of(line, strand)
+    return Line.between(line.rod, line.ends, strand)
+
+
+def _spin(turn: Array, helical: float) -> float:
+    """Turn about a common tangent that takes one frame to another, by as many whole ones as fit.
+
+    Parameters
+    ----------
+    turn : (3, 3) array
+        The other frame in the first.
+    helical : float
+        What it should be near to, rad.
+
+    Returns
+    -------
+    float
+    """
+    mismatch = math.atan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
+    return mismatch + round((helical - mismatch) / math.tau) * math.tau
+
+
+def _beyond(
+    strand: Strand, origin: Array, frame: Array, start: float, phase: float, taper: float = 0.0
+) -> tuple[Array, Array]:
+    """The pose reached from a given one by `phase` nucleotides along the stem's strand.
+
+    The given one is at the strand's own phase ``start``, which matters to a tapered one.
+    """
+    point_0, frame_0 = line_frame(strand, start, taper)
+    point, other = line_frame(strand, start + phase, taper)
+    return origin + frame @ frame_0.T @ (point - point_0), frame @ frame_0.T @ other
+
+
+def _unit(vectors: Array) -> Array:
+    size = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(vectors / np.maximum(size, 1e-9))
+
+
+def _turned_to(tangent: Array, frame: Array) -> Array:
+    """A frame turned by as little as it takes to have this tangent."""
+    d1 = frame[:, 0] - (frame[:, 0] @ tangent) * tangent
+    if d1 @ d1 < 1e-12:
+        d1 = np.cross(frame[:, 1], tangent)
+    d1 = d1 / np.linalg.norm(d1)
+    return np.stack([d1, np.cross(tangent, d1), tangent], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

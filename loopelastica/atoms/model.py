@@ -16,7 +16,7 @@ import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import array, optional, positive, shown, whole
-from loopelastica.atoms.carry import Line
+from loopelastica.atoms.carry import curve_on
 from loopelastica.atoms.checks import Checks
 from loopelastica.atoms.chemistry import LoopMolecule
 from loopelastica.atoms.relax import Relaxed
@@ -27,7 +27,7 @@ from loopelastica.errors import StructureError
 from loopelastica.folding.rank import Candidate
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import BACKBONE, read_structure
-from loopelastica.molecule.strands import ideal_strand
+from loopelastica.molecule.strands import Strand, ideal_strand
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -149,13 +149,17 @@ def build_atoms(
                 f" ({len(structure.universe.atoms)}, 3)"
             )
         structure.check(positions, model)
-    site = site_of(structure, fold, positions)
     native = native_backbone(structure, fold, positions)
     limits = Limits(tries, max_steps, max_seconds)
     chosen = fold.candidates[:max_candidates]
-    models = []
+    strand = ideal_strand(fold.hairpin.is_dna)
+    models, sites = [], dict[bytes, Site]()
     for done, candidate in enumerate(chosen, start=1):
-        built = _candidate(site, fold, candidate, contact, limits)
+        # lines of one kind begin in one place
+        start = candidate.line.start_origin_A.tobytes()
+        if start not in sites:
+            sites[start] = site_of(structure, fold, positions, candidate.line)
+        built = _candidate(sites[start], candidate, contact, limits, strand)
         models.append(replace(built, rmsd_A=_rmsd_A(built, native)))
         if progress is not None:
             progress(done, len(chosen))
@@ -163,10 +167,9 @@ def build_atoms(
 
 
 def _candidate(
-    site: Site, fold: LoopFold, candidate: Candidate, contact: str | None, limits: Limits
+    site: Site, candidate: Candidate, contact: str | None, limits: Limits, strand: Strand
 ) -> AtomModel:
-    assert fold.ends is not None
-    line = Line.between(candidate.rod, fold.ends, ideal_strand(fold.hairpin.is_dna))
+    line = curve_on(candidate.line, strand)
     best, combinations, _ = best_on(site, line, limits, contact=contact)
     return AtomModel(
         candidate.rank,

@@ -20,20 +20,15 @@ from loopelastica.atoms.chemistry import (
 from loopelastica.atoms.geometry import IdealGeometry, ideal_geometry
 from loopelastica.atoms.turn import Surroundings
 from loopelastica.errors import StructureError
+from loopelastica.folding.lines import CandidateLine
 from loopelastica.folding.result import LoopFold
+from loopelastica.molecule.neighbours import METALS, elements, solid
 from loopelastica.molecule.nucleotides import BACKBONE, RING, Structure, atom_positions
 
 NOBODY: Final = -99
 GRID_A: Final = 6
 """Decimals that are kept: below them, turns of the input would make the arithmetic differ."""
-WATER: Final = ("HOH", "DOD", "WAT", "SOL", "H2O", "TIP", "TIP3", "TIP4")
 NEIGHBOURHOOD_A: Final = 16.0
-_METALS: Final = (
-    "LI NA K RB CS MG CA SR BA MN FE CO NI CU ZN CD HG AG PT PB TL SM GD TB EU YB LU LA CE PR ND HO"
-    " ER DY TM AL GA IN IR OS RU RH PD AU CR V W MO Y ZR"
-)
-METALS: Final = frozenset(_METALS.split())
-"""Residue names of metal ions."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -203,7 +198,7 @@ def loop_residues(structure: Structure, fold: LoopFold) -> list[Residue]:
     return residues
 
 
-def site_of(structure: Structure, fold: LoopFold, positions: Array) -> Site:
+def site_of(structure: Structure, fold: LoopFold, positions: Array, line: CandidateLine) -> Site:
     """The site of a folded loop.
 
     Parameters
@@ -214,6 +209,8 @@ def site_of(structure: Structure, fold: LoopFold, positions: Array) -> Site:
         One of its loops.
     positions : (n_atoms, 3) array
         Of all atoms, Å.
+    line : RodLine or ChainLine
+        One of its candidates', in whose first frame everything is.
 
     Returns
     -------
@@ -224,10 +221,9 @@ def site_of(structure: Structure, fold: LoopFold, positions: Array) -> Site:
     StructureError
         If a base is unknown, or an atom that a junction needs is missing.
     """
-    assert fold.ends is not None
     table, hairpin = structure.nucleotides, fold.hairpin
     molecule = loop_molecule(loop_residues(structure, fold))
-    origin, frame = fold.ends.start_origin_A, fold.ends.start_frame
+    origin, frame = line.start_origin_A, line.start_frame
     n = molecule.n
     file_A = np.full((len(molecule.names), 3), np.nan)
     used: list[int] = []
@@ -246,9 +242,10 @@ def site_of(structure: Structure, fold: LoopFold, positions: Array) -> Site:
     local = np.round((positions - origin) @ frame, GRID_A)
     rings = atom_positions(table, local, RING)[[closing[-1], closing[n]]]
     labels = {k: str(k + 1) for k in molecule.kinds}
-    return placed(
-        molecule, file_A, _around(structure, fold, local, used), rings, origin, frame, labels
-    )
+    lines = [c.line.points(4 * n) for c in fold.candidates]
+    near_A = (np.concatenate(lines) - origin) @ frame
+    around = _around(structure, fold, local, used, near_A)
+    return placed(molecule, file_A, around, rings, origin, frame, labels)
 
 
 def native_backbone(structure: Structure, fold: LoopFold, positions: Array) -> Array:
@@ -256,22 +253,20 @@ def native_backbone(structure: Structure, fold: LoopFold, positions: Array) -> A
     return atom_positions(structure.nucleotides, positions, BACKBONE)[fold.hairpin.loop]
 
 
-def _around(structure: Structure, fold: LoopFold, local: Array, used: list[int]) -> Around:
-    """Heavy atoms near any candidate, the loop's own and the junctions' left out."""
+def _around(
+    structure: Structure, fold: LoopFold, local: Array, used: list[int], near_A: Array
+) -> Around:
+    """Heavy atoms near some points, the loop's own and the junctions' left out."""
     from scipy.spatial import cKDTree
 
     element = elements(structure)
     loop = structure.nucleotides.atom_index[fold.hairpin.loop, :]
     residues = np.unique(structure.universe.atoms.resindices[loop[loop >= 0]])
     outside = ~np.isin(structure.universe.atoms.resindices, residues)
-    outside &= (element != "H") & (element != "D") & np.isfinite(local).all(axis=1)
-    outside &= ~waters(structure) & _one_altloc(structure)
+    outside &= solid(structure) & np.isfinite(local).all(axis=1)
     outside[used] = False
-    points = np.concatenate(
-        [c.length_A * c.rod.centerline(4 * len(fold.hairpin.loop)) for c in fold.candidates]
-    )
     rows = np.flatnonzero(outside)
-    near = cKDTree(points).query(local[rows], distance_upper_bound=NEIGHBOURHOOD_A)[0]
+    near = cKDTree(near_A).query(local[rows], distance_upper_bound=NEIGHBOURHOOD_A)[0]
     rows = rows[np.isfinite(near)]
     atoms = structure.universe.atoms[rows]
     resnames = np.char.upper(np.char.strip(atoms.resnames.astype(str)))
@@ -287,28 +282,3 @@ def _around(structure: Structure, fold: LoopFold, local: Array, used: list[int])
         np.full(len(rows), NOBODY),
         np.array(label, dtype=np.str_),
     )
-
-
-def waters(structure: Structure) -> NDArray[np.bool_]:
-    """Which atoms are water: it gives way to the loop, and was placed with the file's own one."""
-    names = np.asarray(structure.universe.atoms.resnames, dtype=object).astype(str)
-    return np.isin(np.char.strip(names), WATER)
-
-
-def _one_altloc(structure: Structure) -> NDArray[np.bool_]:
-    """Leave one of the alternative locations: the one the nucleotides were read from, else A."""
-    atoms = structure.universe.atoms
-    altloc = np.asarray(getattr(atoms, "altLocs", np.zeros(len(atoms), "U1")), dtype=object)
-    altloc = np.char.strip(altloc.astype(str))
-    chosen = np.full(len(structure.universe.residues), "A", dtype=altloc.dtype)
-    table = structure.nucleotides.atom_index
-    read = table[table >= 0]
-    read = read[altloc[read] != ""]
-    chosen[atoms.resindices[read]] = altloc[read]
-    return np.asarray((altloc == "") | (altloc == chosen[atoms.resindices]))
-
-
-def elements(structure: Structure) -> NDArray[np.str_]:
-    """Element of every atom, from its name (the file may have none)."""
-    names = np.asarray(structure.universe.atoms.names, dtype=object).astype(str)
-    return np.array([name.strip().lstrip("0123456789")[:1].upper() for name in names])

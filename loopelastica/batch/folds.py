@@ -16,7 +16,8 @@ from loopelastica.report.records import candidate_row
 _LOOP = ("file", "loop", "kind", "closing_pair", "sequence", "nucleotides")
 _CLAMP = ("stem_extend_5", "stem_extend_3", "taper", "length_per_nucleotide_A")
 _SHAPE = (
-    *("rank", "energy_per_A", "energy_kT", "energy_dimensionless", "stable", "residual"),
+    *("rank", "rank_energy", "shape", "expected_10_A", "expected_rmsd_A", "expected_90_A"),
+    *("energy_per_A", "energy_kT", "energy_dimensionless", "stable", "residual"),
     *("rmsd_A", "rmsd_models_mean_A", "rmsd_models_sd_A", "n_models", "length_A"),
     *("touching", "stem_contact_A", "self_contact_A", "twist_turns"),
 )

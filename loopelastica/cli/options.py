@@ -89,6 +89,38 @@ EnergyMax = Annotated[
     float | None, typer.Option(help="List shapes up to this energy, in K0 per loop length.")
 ]
 Candidates = Annotated[int, typer.Option(help="Shapes kept per loop.", min=1)]
+Rank = Annotated[
+    str,
+    typer.Option(
+        help="Order of the shapes: 'default', measured to be the best one, or 'energy', least"
+        " deformation energy per length first."
+    ),
+]
+Like = Annotated[
+    str | None,
+    typer.Option(
+        help="Structure file whose loop this one is like, FILE, or one of its loops by the closing"
+        " pair, FILE:A.4-A.9.",
+        show_default=False,
+    ),
+]
+Library = Annotated[
+    str | None,
+    typer.Option(help="Library of loops; default: the one that comes along.", show_default=False),
+]
+ExcludeRelatives = Annotated[
+    bool, typer.Option("--exclude-relatives", help="Use no shape of a related loop.")
+]
+Shapes = Annotated[
+    str, typer.Option(help="'all', or 'rod': only rods by the rule, no shapes of other loops.")
+]
+Around = Annotated[
+    bool,
+    typer.Option(
+        "--surroundings/--no-surroundings",
+        help="Where other atoms are near, fold the loop as a rod in its surroundings too.",
+    ),
+]
 AllModels = Annotated[
     bool, typer.Option("--all-models/--first-model", help="Fold every model of the file.")
 ]

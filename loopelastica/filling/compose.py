@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
@@ -12,6 +11,7 @@ from loopelastica._files import PROGRAM
 from loopelastica._version import __version__
 from loopelastica.atoms.strand import BuiltResidue
 from loopelastica.report.compose import AddedResidue, Changes, Composed, Removed, compose
+from loopelastica.report.pdb import b_factor
 
 if TYPE_CHECKING:
     from loopelastica.atoms.strand import StrandModel
@@ -19,18 +19,8 @@ if TYPE_CHECKING:
 
 OCCUPANCY: Final = 0.01
 """Marks what was modelled: not zero, which means that nothing is known."""
-B_MAX_A2: Final = 999.0
 COMPLETED_A: Final = 1.0
 """Error to expect of atoms that a nucleotide lacked."""
-
-
-def b_factor(rmsd_A: float) -> float:
-    """B factor (Å²) of an error: 8π²/3 of its square, up to what the PDB format holds.
-
-    >>> f"{b_factor(2.0):.1f}"
-    '105.3'
-    """
-    return min(8.0 * math.pi**2 / 3.0 * rmsd_A**2, B_MAX_A2)
 
 
 def composed(filling: Filling, rank: int = 1) -> Composed:

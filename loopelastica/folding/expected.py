@@ -16,6 +16,7 @@ import math
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, read_only
 from loopelastica.folding.line import StrandLine
@@ -32,6 +33,16 @@ TABLE: Final[dict[str, tuple[tuple[float, ...], tuple[float, float, float]]]] = 
     "5-9": ((0.451, 0.526, 0.124, -0.473, -0.117, -0.296), (-0.634, 0.005, 0.692)),
     "10-12": ((1.574, 0.105, 0.18, -0.296, -0.225, 0.0), (-0.455, 0.032, 0.377)),
 }
+
+
+def expected_text(values: ArrayLike) -> str:
+    """An expected error in a few characters: the median, and 80 % of cases.
+
+    >>> expected_text([0.9, 2.1, 4.3])
+    '2.1 (0.9–4.3)'
+    """
+    low, middle, high = np.asarray(values, dtype=np.float64)
+    return f"{middle:.1f} ({low:.1f}–{high:.1f})"
 
 
 def length_class(n: int) -> str:

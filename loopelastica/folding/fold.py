@@ -1,9 +1,10 @@
 """From a structure to the ranked shapes of its loops.
 
-    file → nucleotides → hairpins → ends → clamping → equilibria → candidates
+    file → nucleotides → hairpins → ends ─┬→ shapes of other loops, deformed ─┬→ candidates
+                                          └→ clamping → equilibria ───────────┘
 
-Each arrow is one call below. Only stem atoms enter the clamping; the loop's own coordinates enter
-the RMSD and nothing else.
+Each arrow is one call below. Only stem atoms enter the ends; the loop's own coordinates enter the
+RMSD and nothing else.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,21 +13,34 @@ from typing import Any
 from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.folding.clamping import clamped_ends, clamping_of
+from loopelastica.folding.hypotheses import (
+    Hypothesis,
+    hypotheses,
+    straight_rods,
+    surrounded_rod,
+)
+from loopelastica.folding.lines import POINTS_PER_NUCLEOTIDE
 from loopelastica.folding.options import FoldOptions, keywords
 from loopelastica.folding.rank import rank
 from loopelastica.folding.result import LoopFold, with_models
 from loopelastica.molecule.contacts import stem_atoms
 from loopelastica.molecule.ends import StemEnds, fit_stem
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
+from loopelastica.molecule.neighbours import Neighbours, neighbours
 from loopelastica.molecule.nucleotides import Nucleotides, Structure, read_structure
 from loopelastica.molecule.trace import native_backbone
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibria import Equilibria, equilibria
+from loopelastica.rod.equilibrium import Equilibrium
 
 
 @keywords(FoldOptions)
 def fold(structure: Any, /, options: FoldOptions) -> list[LoopFold]:
-    """Fold every hairpin loop of a structure as an elastic rod clamped to its stem.
+    """Fold every hairpin loop of a structure: elastic lines between the ends of its stem.
+
+    Several answers are given for each loop, each with its shape and the error to expect of it:
+    shapes that such loops have, deformed onto this stem; the rod in its surroundings; the rods of
+    the rule.
 
     Parameters
     ----------
@@ -52,7 +66,7 @@ def fold(structure: Any, /, options: FoldOptions) -> list[LoopFold]:
     >>> from loopelastica._files import data_path
     >>> (loop,) = fold(data_path("hairpins/2koc.pdb"), all_models=False)
     >>> loop
-    <LoopFold A6-9 CUUCGG: 3 candidates, first E/K0 0.302 1/Å, RMSD 2.12 Å>
+    <LoopFold A6-9 CUUCGG: 3 candidates, first straight rod, E/K0 0.302 1/Å, RMSD 2.12 Å>
     """
     structure = read_structure(structure, options.limits)
     return fold_hairpins(structure, find_hairpins(structure, **options.selection), options)
@@ -78,16 +92,27 @@ def fold_hairpins(
         One per hairpin.
     """
     folds: list[list[LoopFold]] = [[] for _ in hairpins]
+    others = others_of(structure, options) if hairpins else None
     for positions in structure.models():
         for hairpin, models in zip(hairpins, folds, strict=True):
-            models.append(fold_model(structure.nucleotides, hairpin, positions, options))
+            models.append(fold_model(structure.nucleotides, hairpin, positions, options, others))
         if not options.all_models:
             break
     return [with_models(models) for models in folds]
 
 
+def others_of(structure: Structure, options: FoldOptions) -> Neighbours | None:
+    """The atoms that a loop may run into; None where the options do not ask for them."""
+    wanted = options.surroundings and options.shapes == "all"
+    return neighbours(structure) if wanted else None
+
+
 def fold_model(
-    nucleotides: Nucleotides, hairpin: Hairpin, positions: Array, options: FoldOptions
+    nucleotides: Nucleotides,
+    hairpin: Hairpin,
+    positions: Array,
+    options: FoldOptions,
+    others: Neighbours | None = None,
 ) -> LoopFold:
     """Fold one hairpin in one model.
 
@@ -101,6 +126,8 @@ def fold_model(
         All atoms of the model, Å.
     options : FoldOptions
         As for :func:`fold`.
+    others : Neighbours, optional
+        Atoms that it may run into; by default it is folded without surroundings.
 
     Returns
     -------
@@ -108,14 +135,20 @@ def fold_model(
         A loop that cannot be folded says why in ``failure``.
     """
     try:
-        ends = clamped_ends(fit_stem(nucleotides, hairpin, positions), options)
+        stem = fit_stem(nucleotides, hairpin, positions)
+        ends = clamped_ends(stem, options)
         clamping = clamping_of(ends, options.free_spin)
         rods = _rods(hairpin, clamping, options)
+        answers = straight_rods(hairpin, rods, ends)
+        if options.shapes == "all":
+            answers += hypotheses(hairpin, stem.closing(), options)
+        if others is not None:
+            answers += _in_surroundings(hairpin, ends, rods[0], positions, others)
     except StructureError as error:
         return LoopFold(hairpin, (), options, failure=str(error))
     backbone_A = native_backbone(nucleotides, hairpin, positions)
-    stem = stem_atoms(nucleotides, hairpin, positions)
-    candidates = rank(rods, ends, options.persistence_length_A, stem, backbone_A)
+    atoms = stem_atoms(nucleotides, hairpin, positions)
+    candidates = rank(answers, options.persistence_length_A, atoms, backbone_A, options.rank)
     return LoopFold(
         hairpin,
         candidates[: options.max_candidates],
@@ -137,6 +170,14 @@ def _rods(hairpin: Hairpin, clamping: Clamping, options: FoldOptions) -> Equilib
             f" {rods.starts} starts; the loop is not folded"
         )
     return rods
+
+
+def _in_surroundings(
+    hairpin: Hairpin, ends: StemEnds, free: Equilibrium, positions: Array, others: Neighbours
+) -> tuple[Hypothesis, ...]:
+    line_A = ends.to_file(free.centerline(POINTS_PER_NUCLEOTIDE * ends.n_free + 1))
+    atoms_A = others.around(hairpin, ends, line_A, positions)
+    return () if atoms_A is None else surrounded_rod(hairpin, ends, free, atoms_A)
 
 
 def _remarks(hairpin: Hairpin, ends: StemEnds, backbone_A: Array | None) -> Iterator[str]:

@@ -16,22 +16,17 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record, read_only
 from loopelastica.errors import StructureError
+from loopelastica.folding.surroundings import SURROUNDED, rods_among
 from loopelastica.molecule.obstacles import obstacles
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
 from loopelastica.molecule.strand_ends import StrandEnds
 from loopelastica.molecule.trace import loop_arc_positions
 from loopelastica.rod.clamping import Clamping
-from loopelastica.rod.curves import standard_guesses
 from loopelastica.rod.solve import solve
-from loopelastica.rod.surrounded import SurroundedRod, surrounded_rods
+from loopelastica.rod.surrounded import SurroundedRod
 
-CUTOFF_A: Final = 5.0
-STIFFNESS: Final = 0.05
-"""Repulsion of an atom, in units of the bending rigidity over Å⁴; any cutoff of 4–5 Å will do."""
 NEAR_A: Final = 3.0
 """Real backbones come no nearer to an atom than this: what does is said."""
-BENT_FROM: Final = 5
-"""Nucleotides from which on bends to all sides are tried: shorter lines have one minimum."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -110,19 +105,7 @@ def strand_lines(
         If no rod was found.
     """
     rows = obstacles(gap, ends, atoms)
-    span = (
-        ends.start_origin_A, ends.start_frame[:, 2], ends.end_origin_A, ends.end_frame[:, 2],
-        ends.length_A,
-    )  # fmt: skip
-    guesses = standard_guesses(*span, free_rod=_free_rod(ends), bends=ends.n >= BENT_FROM)
-    rods = surrounded_rods(
-        *span,
-        atoms.positions_A[rows],
-        guesses=guesses,
-        cutoff=CUTOFF_A,
-        stiffness=STIFFNESS,
-        start_frame=ends.start_frame,
-    )
+    rods = rods_among(ends, atoms.positions_A[rows], _free_rod(ends))
     if not rods[0].converged:
         raise StructureError(
             f"{gap.name}: no line was found between its ends ({rods[0].message}); the strand is"
@@ -150,4 +133,4 @@ def _line(
     near = ""
     if rod.nearest_obstacle is not None:
         near = atoms.label(rows[rod.nearest_obstacle])
-    return StrandLine(rank, "rod in its surroundings", rod, ends, read_only(trace), near)
+    return StrandLine(rank, SURROUNDED, rod, ends, read_only(trace), near)

@@ -16,8 +16,10 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 from loopelastica._checks import (
     Check,
     between,
+    file_name,
     flag,
     numbers,
+    one_of,
     optional,
     positive,
     whole,
@@ -125,6 +127,21 @@ class FoldOptions(LoopOptions):
         Most candidates kept per loop, 1 or more.
     all_models : bool
         Fold each model of a file with its own clamp and compare it with its own loop.
+    shapes : {"all", "rod"}
+        "rod": only rods clamped by the rule, no shapes of other loops.
+    rank : {"default", "energy"}
+        Order of the candidates: the one that was measured to be best, or least deformation energy
+        per length first. Either way those that touch something come last.
+    like : str, optional
+        A structure file whose loop this one is taken to be like, "FILE", or which of its loops,
+        "FILE:A.4-A.9", by its closing pair.
+    library : str, optional
+        File of a library of loops. Default: the one that comes with the program.
+    exclude_relatives : bool
+        Use no shape of a loop that is related to this one, for honest tests.
+    surroundings : bool
+        Where atoms other than its own hairpin's are near the loop, fold it as a rod in its
+        surroundings too.
     """
 
     stem_extend_5: int | None = option(None, optional(whole(0)))
@@ -133,6 +150,12 @@ class FoldOptions(LoopOptions):
     energy_max: float | None = option(None, optional(positive))
     max_candidates: int = option(10, whole(1))
     all_models: bool = option(True, flag)
+    shapes: str = option("all", one_of("all", "rod"))
+    rank: str = option("default", one_of("default", "energy"))
+    like: str | None = option(None, optional(file_name))
+    library: str | None = option(None, optional(file_name))
+    exclude_relatives: bool = option(False, flag)
+    surroundings: bool = option(True, flag)
 
     @property
     def clamp(self) -> dict[str, Any]:

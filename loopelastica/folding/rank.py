@@ -1,23 +1,20 @@
-"""Candidates: the equilibria of one loop's rod, put back into the molecule and ranked.
+"""Candidates: the possible lines of one loop, put into the molecule and ranked.
 
-The order is least deformation energy first; shapes that run into the stem or themselves come after
-all others, for no backbone can take them. The energy is not a confidence: it says which of the
-rod's shapes costs least, not how near that shape is to the loop in nature.
+Two orders stand beside each other. The default one is that of the hypotheses, by what was measured
+to be nearest to real loops; rods of one clamp follow each other by energy. The other is least
+deformation energy per length. In both, shapes that run into the stem or themselves come after all
+others, for no backbone can take them. The energy is not a confidence: it says which shape costs
+least, not how near that shape is to the loop in nature.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from loopelastica._arrays import Array, Record, read_only
+from loopelastica.folding.hypotheses import Hypothesis
+from loopelastica.folding.lines import CandidateLine, Rod, RodLine
 from loopelastica.molecule.contacts import Contacts, contacts
-from loopelastica.molecule.ends import StemEnds
-from loopelastica.molecule.trace import loop_arc_positions, rmsd_A
-from loopelastica.rod.equilibrium import Equilibrium
-
-# points per nucleotide at which contacts are looked for: 0.6 Å apart
-POINTS_PER_NUCLEOTIDE = 10
+from loopelastica.molecule.trace import rmsd_A
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -27,25 +24,24 @@ class Candidate(Record):
     Attributes
     ----------
     rank : int
-        1 for the least energy among those that touch nothing; those that touch follow, by their
-        energy.
-    rod : Equilibrium
-        The dimensionless rod.
-    length_A : float
-        Its length in Å.
+        Its place in the order asked for, from 1; those that touch something are the last.
+    rank_energy : int
+        Its place by `energy_per_A` among all that were found, those that touch something last.
+    shape : str
+        What it is: "straight rod", "rod in its surroundings", "motif GNRA", "like 1zih A.4-A.9" …
+    line : RodLine or ChainLine
+        The line itself, in the coordinates of the file.
     energy_per_A : float
         Deformation energy over the bending rigidity, E/K0, in 1/Å.
     energy_kT : float
         The same in kT, for the persistence length in the options (K0 = kT·lp).
-    stable : bool or None
-        Whether it is a local minimum of the energy; None until it is computed.
-    residual : float
-        Largest error of the rod's end pose, on a mesh the solver did not use.
     contacts : Contacts
         Nearest approaches to the stem and to itself; ``contacts.touching`` marks what no backbone
         can do.
     trace : (n_nt, 3) ndarray
         Line point of each loop nucleotide in the file's coordinates, Å.
+    expected_rmsd_A : (3,) ndarray
+        10, 50 and 90 % of the error to expect of it, Å: its `rmsd_A`, were it known.
     rmsd_A : float or None
         Trace against the centroids of P O5' C5' C4' C3' O3' of the loop nucleotides, first model,
         without superposition; None where the file has no loop.
@@ -55,43 +51,61 @@ class Candidate(Record):
     """
 
     rank: int
-    rod: Equilibrium
-    length_A: float
+    rank_energy: int
+    shape: str
+    line: CandidateLine
     energy_per_A: float
     energy_kT: float
-    stable: bool | None
-    residual: float
     contacts: Contacts
     trace: Array
+    expected_rmsd_A: Array
     rmsd_A: float | None
     rmsd_models_A: Array
 
     @property
+    def rod(self) -> Rod | None:
+        """The dimensionless rod; None for a chain."""
+        return self.line.rod if isinstance(self.line, RodLine) else None
+
+    @property
+    def length_A(self) -> float:
+        """Length of the elastic line, Å."""
+        return self.line.length_A
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether it is a local minimum of the energy; None until that is computed."""
+        return self.line.stable
+
+    @property
+    def residual(self) -> float:
+        """Error of the solution, by an evaluation that the solver did not use."""
+        return self.line.residual
+
+    @property
     def summary(self) -> str:
-        """Energy, RMSD and contacts in a few words."""
+        """Shape, energy, RMSD and contacts in a few words."""
         rmsd = "" if self.rmsd_A is None else f", RMSD {self.rmsd_A:.2f} Å"
         touches = f", touches {self.contacts.touched}" if self.contacts.touching else ""
-        return f"E/K0 {self.energy_per_A:.3g} 1/Å{rmsd}{touches}"
+        return f"{self.shape}, E/K0 {self.energy_per_A:.3g} 1/Å{rmsd}{touches}"
 
     def __repr__(self) -> str:
         return f"<Candidate {self.rank}: {self.summary}>"
 
 
 def rank(
-    rods: Sequence[Equilibrium],
-    ends: StemEnds,
+    hypotheses: Sequence[Hypothesis],
     persistence_length_A: float,
     stem: tuple[Array, Array],
     backbone_A: Array | None,
+    order: str = "default",
 ) -> tuple[Candidate, ...]:
-    """Candidates of one model: those that touch nothing first, each kind by its energy.
+    """Candidates of one model: those that touch nothing first, each kind in the order asked for.
 
     Parameters
     ----------
-    rods : sequence of Equilibrium
-        Shapes of the rod between `ends`.
-    ends : StemEnds
-        Where the rod begins and ends, Å.
+    hypotheses : sequence of Hypothesis
+        What there is to rank.
     persistence_length_A : float
         Scale of ``energy_kT``, Å.
     stem : (m, 3), (m,) array
@@ -99,42 +113,38 @@ def rank(
     backbone_A : (n_nt + 2, 3) array or None
         Centroids of the file's own loop, closing nucleotide to closing nucleotide, Å;
         `rmsd_models_A` then holds this model only.
+    order : {"default", "energy"}
+        By the place of each hypothesis, or by energy per length.
 
     Returns
     -------
     tuple of Candidate
         Each with its rank, from 1.
     """
-    near = [contacts(*_line(rod, ends), *stem) for rod in rods]
-    order = sorted(range(len(rods)), key=lambda i: (near[i].touching, rods[i].energy))
+    near = [contacts(*one.line.sampled(), *stem) for one in hypotheses]
+    energies = [one.line.energy / one.line.length_A for one in hypotheses]
+    rows = range(len(hypotheses))
+    by_energy = sorted(rows, key=lambda i: (near[i].touching, energies[i]))
+    by_place = sorted(by_energy, key=lambda i: (near[i].touching, hypotheses[i].place))
+    place_by_energy = {i: place for place, i in enumerate(by_energy, start=1)}
     candidates = []
-    for place, i in enumerate(order, start=1):
-        rod = rods[i]
-        trace = ends.trace(rod.centerline(loop_arc_positions(ends.n_free)))
+    for place, i in enumerate(by_energy if order == "energy" else by_place, start=1):
+        one = hypotheses[i]
+        trace = one.line.trace
         rmsd = None if backbone_A is None else rmsd_A(trace, backbone_A[1:-1])
-        energy_per_A = rod.energy / ends.length_A
         candidates.append(
             Candidate(
                 place,
-                rod,
-                ends.length_A,
-                energy_per_A,
-                energy_per_A * persistence_length_A,
-                rod.stable,
-                rod.residual,
+                place_by_energy[i],
+                one.shape,
+                one.line,
+                energies[i],
+                energies[i] * persistence_length_A,
                 near[i],
                 read_only(trace),
+                read_only(one.expected_rmsd_A),
                 rmsd,
                 read_only([] if rmsd is None else [rmsd]),
             )
         )
     return tuple(candidates)
-
-
-def _line(rod: Equilibrium, ends: StemEnds) -> tuple[Array, Array]:
-    """Points of the loop's line, nucleotides that continue the stem included, and their phases."""
-    first, last, n = len(ends.continued_5_A), len(ends.continued_3_A), ends.n_free
-    s = np.linspace(0.0, 1.0, POINTS_PER_NUCLEOTIDE * n + 1)
-    before, after = np.arange(1, first + 1), first + n + np.arange(1, last + 1)
-    phases = np.concatenate([before, first + 0.5 + n * s, after])
-    return ends.trace(rod.centerline(s)), phases

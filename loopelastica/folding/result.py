@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from html import escape
 
 from loopelastica._arrays import Array, Record, read_only
+from loopelastica.folding.expected import expected_text
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.rank import Candidate
 from loopelastica.molecule.ends import StemEnds
@@ -22,8 +23,8 @@ class LoopFold(Record):
     hairpin : Hairpin
         What was folded.
     candidates : tuple of Candidate
-        Least energy first, those that touch something last; empty if ``failure`` says why the loop
-        could not be folded.
+        In the order asked for, those that touch something last; empty if ``failure`` says why the
+        loop could not be folded.
     options : FoldOptions
         Every option that was in force.
     failure : str or None
@@ -76,12 +77,14 @@ class LoopFold(Record):
         title = escape(f"{self.hairpin.name}, {self.hairpin.sequence}, {self.hairpin.label}")
         if self.failure is not None:
             return f"<p>{title}: {escape(self.failure)}</p>"
-        names = ("rank", "E/K0 (1/Å)", "E (kT)", "RMSD (Å)", "touches")
+        names = ("rank", "shape", "expected (Å)", "E/K0 (1/Å)", "by E", "RMSD (Å)", "touches")
         rows = [
             (
                 str(c.rank),
+                escape(c.shape),
+                expected_text(c.expected_rmsd_A),
                 f"{c.energy_per_A:.4f}",
-                f"{c.energy_kT:.2f}",
+                str(c.rank_energy),
                 "" if c.rmsd_A is None else f"{c.rmsd_A:.2f}",
                 c.contacts.touched,
             )

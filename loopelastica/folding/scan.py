@@ -16,6 +16,7 @@ import numpy as np
 from loopelastica._arrays import Array, Record
 from loopelastica.errors import StructureError
 from loopelastica.folding.clamping import clamping_of
+from loopelastica.folding.hypotheses import straight_rods
 from loopelastica.folding.options import ScanOptions, keywords
 from loopelastica.folding.rank import Candidate, rank
 from loopelastica.molecule.clamp_rule import StemClamp, default_clamp, expected_rmsd_A, plain_clamp
@@ -156,7 +157,8 @@ def scan_loop(
     for ends in _feasible(stem, plain, options):
         clamping = clamping_of(ends, options.free_spin)
         rods = equilibria(clamping, options.torsion_ratio, rounds=1)
-        candidates = rank(rods, ends, options.persistence_length_A, atoms, backbone_A)
+        answers = straight_rods(hairpin, rods, ends, ends.clamp == rule)
+        candidates = rank(answers, options.persistence_length_A, atoms, backbone_A)
         found += [(candidate, ends) for candidate in candidates]
     spread_A = _spread_A([c.trace for c, ends in found if c.rank == 1 and _near(ends)])
     return LoopScan(hairpin, _ranked(found, rule), spread_A)
@@ -193,10 +195,15 @@ def _ranked(
     found: list[tuple[Candidate, StemEnds]], rule: StemClamp
 ) -> tuple[ScannedCandidate, ...]:
     by_E = sorted(found, key=lambda f: (f[0].contacts.touching, f[0].energy_per_A))
-    by_EL = sorted(by_E, key=lambda f: (f[0].contacts.touching, f[0].rod.energy))
+    by_EL = sorted(by_E, key=lambda f: (f[0].contacts.touching, f[0].line.energy))
     place = {id(candidate): k for k, (candidate, _) in enumerate(by_EL, start=1)}
     return tuple(
-        ScannedCandidate(replace(candidate, rank=k), ends, place[id(candidate)], ends.clamp == rule)
+        ScannedCandidate(
+            replace(candidate, rank=k, rank_energy=k),
+            ends,
+            place[id(candidate)],
+            ends.clamp == rule,
+        )
         for k, (candidate, ends) in enumerate(by_E, start=1)
     )
 

@@ -16,7 +16,7 @@ from MDAnalysis.analysis.base import AnalysisBase
 from MDAnalysis.analysis.results import ResultsGroup
 
 from loopelastica._arrays import Array
-from loopelastica.folding.fold import fold_model
+from loopelastica.folding.fold import fold_model, others_of
 from loopelastica.folding.options import FoldOptions, show_options
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
@@ -31,7 +31,7 @@ _NOT_HERE = {
 
 
 class LoopElastica(AnalysisBase):  # type: ignore[misc]
-    """First-ranked elastic rod of every hairpin loop in every frame.
+    """First-ranked elastic line of every hairpin loop in every frame.
 
     Parameters
     ----------
@@ -44,8 +44,7 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
     hairpins : list of Hairpin
         The loops, in file order.
     results.energy_per_A : (n_frames, n_loops) ndarray
-        E/K0 of the first-ranked shape (the least of those that touch nothing, if any), 1/Å; inf
-        where the loop could not be folded.
+        E/K0 of the first-ranked shape, 1/Å; inf where the loop could not be folded.
     results.rmsd_A : (n_frames, n_loops) ndarray
         Its distance from the loop of the frame, Å; inf where either is missing.
     results.touching : (n_frames, n_loops) ndarray of bool
@@ -94,6 +93,7 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
         self._options = FoldOptions(**options, max_candidates=1)
         structure = read_structure(atoms)
         self._nucleotides = structure.nucleotides
+        self._others = others_of(structure, self._options)
         self._all_atoms = atoms.universe.atoms
         self.hairpins = find_hairpins(structure, **self._options.selection)
         super().__init__(atoms.universe.trajectory)
@@ -109,7 +109,7 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
         positions = np.array(self._all_atoms.positions, dtype=np.float64)
         energies, rmsds, touching, traces = [], [], [], []
         for hairpin in self.hairpins:
-            fold = fold_model(self._nucleotides, hairpin, positions, self._options)
+            fold = fold_model(self._nucleotides, hairpin, positions, self._options, self._others)
             if fold.failure:
                 self.results.failures.append((int(self._ts.frame), fold.failure))
             first = fold.candidates[0] if fold.candidates else None

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
+from loopelastica.molecule.ends import StemEnds
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
 from loopelastica.molecule.strand_ends import StrandEnds
 
@@ -57,12 +58,29 @@ def obstacles(gap: Gap, ends: StrandEnds, atoms: HeavyAtoms) -> NDArray[np.int64
     single = np.bincount(atoms.residue, minlength=len(atoms.labels))[atoms.residue] == 1
     ion = single & (atoms.metal | np.isin(atoms.element, HALIDES))
     out = ~(atoms.water | ion | own_atoms(gap, atoms))
+    return np.flatnonzero(out & in_reach(ends, atoms.positions_A))
+
+
+def in_reach(ends: StemEnds | StrandEnds, positions_A: Array) -> NDArray[np.bool_]:
+    """Which places (m,) a line between two ends can come within ``CROWDED_A`` of.
+
+    Parameters
+    ----------
+    ends : StemEnds or StrandEnds
+        Ends and length of the line.
+    positions_A : (m, 3) array
+        Å; what is no number is out of reach.
+
+    Returns
+    -------
+    (m,) array of bool
+    """
     # no point of the line is farther from both ends together than it is long
-    reach = sum(
-        np.linalg.norm(atoms.positions_A - end, axis=1)
+    both = sum(
+        np.linalg.norm(positions_A - end, axis=1)
         for end in (ends.start_origin_A, ends.end_origin_A)
     )
-    return np.flatnonzero(out & (reach < ends.length_A + 2.0 * CROWDED_A))
+    return np.asarray(both < ends.length_A + 2.0 * CROWDED_A)
 
 
 def crowding(ends: StrandEnds, positions_A: Array) -> float:

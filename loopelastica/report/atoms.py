@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from loopelastica._arrays import Array
 from loopelastica._files import write_json, write_text
 from loopelastica.atoms.model import AtomModel
-from loopelastica.atoms.site import elements, waters
 from loopelastica.folding.result import LoopFold
+from loopelastica.molecule.neighbours import elements, waters
 from loopelastica.molecule.nucleotides import Structure
 from loopelastica.molecule.reading import quiet
 from loopelastica.report.pdb import pdb_name

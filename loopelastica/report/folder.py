@@ -26,6 +26,7 @@ from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.report.pdb import (
     WholeStructure,
     bond_records,
+    expected_records,
     one_letter_chains,
     point_records,
     renamed_records,
@@ -176,17 +177,17 @@ def is_there(path: Path, key: Mapping[str, Any]) -> bool:
 def _line_rows(fold: LoopFold) -> Iterator[dict[str, object]]:
     names = ("s_A", "x_A", "y_A", "z_A", "tx", "ty", "tz", "curvature_per_A", "twist_rad_per_A")
     for candidate in fold.candidates:
-        for values in np.column_stack(list(line(fold, candidate).values())):
+        for values in np.column_stack(list(line(candidate).values())):
             numbers = (f"{v:.9g}" for v in values)
             yield {"rank": candidate.rank, **dict(zip(names, numbers, strict=True))}
 
 
 def _write_traces(path: Path, fold: LoopFold, structure: Structure, letter: str) -> None:
-    """One MODEL per candidate: a point CEN per nucleotide, its rank as B factor."""
-    lines = renamed_records({fold.hairpin.chain: letter})
+    """One MODEL per candidate: a point CEN per nucleotide, its expected error as B factor."""
+    lines = renamed_records({fold.hairpin.chain: letter}) + expected_records(fold.candidates)
     for candidate in fold.candidates:
         lines.append(f"MODEL     {candidate.rank:4d}")
-        lines += point_records(fold, structure, candidate.trace, letter, candidate.rank, 1)
+        lines += point_records(fold, structure, candidate, letter, 1)
         lines.append("ENDMDL")
     write_text(path, "\n".join([*lines, *bond_records(1, len(fold.hairpin)), "END", ""]))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import string
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -10,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from loopelastica._arrays import Array
 from loopelastica._files import write_text
 from loopelastica._names import printable
 from loopelastica._version import __version__
+from loopelastica.folding.rank import Candidate
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb, pdb_records, quiet
 
@@ -23,6 +24,9 @@ POINT = "CEN"
 WHOLE_ATOMS = 20_000
 """Most atoms of a structure that is written once more for each loop without a request: all loops of
 a ribosome would make half a gigabyte."""
+
+B_MAX_A2 = 999.0
+"""Largest B factor that is written: what its column of the PDB format holds."""
 
 _ATOMS = ("ATOM  ", "HETATM")
 _LEVEL = {"resnames": "residues", "icodes": "residues", "segids": "segments"}
@@ -68,8 +72,30 @@ def renamed_records(letters: dict[str, str]) -> list[str]:
     ]
 
 
+def b_factor(rmsd_A: float) -> float:
+    """B factor (Å²) of an error: 8π²/3 of its square, up to what the PDB format holds.
+
+    >>> f"{b_factor(2.0):.1f}"
+    '105.3'
+    """
+    return min(8.0 * math.pi**2 / 3.0 * rmsd_A**2, B_MAX_A2)
+
+
+def expected_records(candidates: Iterable[Candidate]) -> list[str]:
+    """REMARK records for the shapes of candidates and the errors to expect of them."""
+    records = ["REMARK  99 THE B FACTOR IS 8 PI^2/3 OF THE EXPECTED ERROR SQUARED"]
+    for one in candidates:
+        low, middle, high = one.expected_rmsd_A
+        shape = printable(one.shape).encode("ascii", "replace").decode("ascii")
+        records += [
+            f"REMARK  99 CANDIDATE {one.rank}: {shape}"[:80],
+            f"REMARK  99   EXPECTED ERROR {middle:.1f} A (80 % BETWEEN {low:.1f} AND {high:.1f})",
+        ]
+    return records
+
+
 def point_records(
-    fold: LoopFold, structure: Structure, trace: Array, chain: str, rank: int, serial: int
+    fold: LoopFold, structure: Structure, candidate: Candidate, chain: str, serial: int
 ) -> list[str]:
     """ATOM records of a trace: one point per loop nucleotide.
 
@@ -79,12 +105,10 @@ def point_records(
         The loop.
     structure : Structure
         What it was found in.
-    trace : (n, 3) array
-        The points, Å.
+    candidate : Candidate
+        Whose trace it is; its expected error is the B factor.
     chain : str
         Letter of the chain.
-    rank : int
-        What is written as B factor.
     serial : int
         Number of the first atom.
 
@@ -105,9 +129,9 @@ def point_records(
             chainID=chain,
             resSeq=int(hairpin.resid[k]) % 10_000 if hairpin.resid[k] >= 0 else hairpin.resid[k],
             iCode=pdb_name(hairpin.icode[k])[:1],
-            pos=trace[k],
+            pos=candidate.trace[k],
             occupancy=1.0,
-            tempFactor=float(rank),
+            tempFactor=b_factor(float(candidate.expected_rmsd_A[1])),
             segID="",
             element="X",
             charge="",
@@ -177,12 +201,13 @@ class WholeStructure:
         after = int(np.flatnonzero(self._residue == closing)[-1]) + 1
         # the chain as the file has it, which may be blank where segments name the strands
         chain = self._records[after - 1][21]
-        points = point_records(fold, self._structure, first.trace, chain, 1, self._serial)
+        points = point_records(fold, self._structure, first, chain, self._serial)
         records = np.array(self._records, dtype=object)
         ends = printable(f"{hairpin.residues[0]} TO {hairpin.residues[-1]}")
         lines = [
             f"REMARK  99 LOOPELASTICA {__version__}: {ends} ARE POINTS {POINT} OF THE ELASTIC LINE",
             "REMARK  99 OF FIRST RANK; ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL",
+            *expected_records([first]),
             *renamed_records(self._letters),
             *records[:after][keep[:after]],
             *points,

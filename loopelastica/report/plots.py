@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica._names import printable
+from loopelastica.folding.expected import expected_text
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.trace import smoothed_line
 from loopelastica.report.records import LINE_POINTS
@@ -78,13 +80,15 @@ def _view(fold: LoopFold) -> tuple[Array, Array, Array, Array]:
 
 
 def _draw_lines(axes: Any, fold: LoopFold, flat: Callable[[Array], Array]) -> None:
-    assert fold.ends is not None
     for candidate in reversed(fold.candidates):
-        points = fold.ends.to_file(candidate.rod.centerline(LINE_POINTS))
+        points = candidate.line.points(LINE_POINTS)
         first = candidate.rank == 1
-        label = f"{candidate.rank}: E/K0 {candidate.energy_per_A:.3f} /Å"
+        # printable: a shape may be called after a file
+        label = f"{candidate.rank}: {printable(candidate.shape)}"
+        if first:
+            label += f", expected error {expected_text(candidate.expected_rmsd_A)} Å"
         if candidate.rmsd_A is not None:
-            label += f", {candidate.rmsd_A:.2f} Å"
+            label += f", RMSD {candidate.rmsd_A:.2f} Å"
         axes.plot(
             *flat(points).T, color=_colour(candidate.rank), lw=2.2 if first else 1.0, label=label
         )
@@ -118,8 +122,8 @@ def _same_scale(*both: Any) -> None:
 
 def _draw_curvature(axes: Any, fold: LoopFold) -> None:
     for candidate in reversed(fold.candidates):
-        s = np.linspace(0.0, candidate.length_A, LINE_POINTS)
-        curvature = candidate.rod.curvature(LINE_POINTS) / candidate.length_A
+        s = np.linspace(0.0, candidate.line.curve_A, LINE_POINTS)
+        curvature = candidate.line.curvature_per_A(LINE_POINTS)
         axes.plot(s, curvature, color=_colour(candidate.rank), lw=2.0 if candidate.rank == 1 else 1)
     axes.set_xlabel("arc length (Å)")
     axes.set_ylabel("curvature (1/Å)")

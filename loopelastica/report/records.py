@@ -31,11 +31,17 @@ def rmsd_summary(candidate: Candidate) -> tuple[float | None, float | None, int]
 def candidate_row(candidate: Candidate) -> dict[str, Any]:
     """The columns of ranking.csv that describe a candidate."""
     mean, deviation, count = rmsd_summary(candidate)
+    low, middle, high = candidate.expected_rmsd_A.tolist()
     return {
         "rank": candidate.rank,
+        "rank_energy": candidate.rank_energy,
+        "shape": candidate.shape,
+        "expected_10_A": low,
+        "expected_rmsd_A": middle,
+        "expected_90_A": high,
         "energy_per_A": candidate.energy_per_A,
         "energy_kT": candidate.energy_kT,
-        "energy_dimensionless": candidate.rod.energy,
+        "energy_dimensionless": candidate.line.energy,
         "stable": candidate.stable,
         "residual": candidate.residual,
         "rmsd_A": candidate.rmsd_A,
@@ -46,7 +52,7 @@ def candidate_row(candidate: Candidate) -> dict[str, Any]:
         "touching": candidate.contacts.touching,
         "stem_contact_A": finite(candidate.contacts.stem_A),
         "self_contact_A": finite(candidate.contacts.self_A),
-        "twist_turns": candidate.rod.twist,
+        "twist_turns": candidate.line.twist_turns,
     }
 
 
@@ -129,9 +135,10 @@ def ranking(source: Path | str, fold: LoopFold, remarks: Sequence[str] = ()) -> 
         "candidates": [
             {
                 **candidate_row(c),
+                "expected_rmsd_A": c.expected_rmsd_A.tolist(),
                 "rmsd_models_A": [finite(v) for v in c.rmsd_models_A.tolist()],
                 "trace_A": c.trace.tolist(),
-                "rod": c.rod.to_dict(),
+                **c.line.to_dict(),
             }
             for c in fold.candidates
         ],
@@ -159,15 +166,13 @@ def partners(hairpin: Hairpin) -> dict[str, Any]:
     return {"contacts": [list(pair) for pair in hairpin.contacts], "kissing": list(hairpin.kissing)}
 
 
-def line(fold: LoopFold, candidate: Candidate, n: int = LINE_POINTS) -> dict[str, Array]:
+def line(candidate: Candidate, n: int = LINE_POINTS) -> dict[str, Array]:
     """The dense line of a candidate in the file's coordinates.
 
     Parameters
     ----------
-    fold : LoopFold
-        The loop.
     candidate : Candidate
-        One of its shapes.
+        One of a loop's shapes.
     n : int
         Number of points, evenly spaced along the line.
 
@@ -177,12 +182,11 @@ def line(fold: LoopFold, candidate: Candidate, n: int = LINE_POINTS) -> dict[str
         ``s`` (n,) and ``points`` (n, 3) in Å, ``tangents`` (n, 3), ``curvature`` (n,) in 1/Å and
         ``twist`` (n,), the rate of the frame about the tangent, in rad/Å.
     """
-    assert fold.ends is not None
-    rod, length_A = candidate.rod, candidate.length_A
+    own = candidate.line
     return {
-        "s": np.linspace(0.0, length_A, n),
-        "points": fold.ends.to_file(rod.centerline(n)),
-        "tangents": rod.frames(n)[:, :, 2] @ fold.ends.start_frame.T,
-        "curvature": rod.curvature(n) / length_A,
-        "twist": np.full(n, math.tau * rod.twist / length_A),
+        "s": np.linspace(0.0, own.curve_A, n),
+        "points": own.points(n),
+        "tangents": own.tangents(n),
+        "curvature": own.curvature_per_A(n),
+        "twist": np.full(n, math.tau * own.twist_turns / own.curve_A),
     }

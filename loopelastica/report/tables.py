@@ -31,16 +31,22 @@ def _add_row(table: Table, *texts: str) -> None:
 
 def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Table:
     """Folded loops, a row per candidate."""
+    from loopelastica.folding.expected import expected_text
     from loopelastica.report.records import rmsd_summary
 
+    order = {r.options.rank for _, r, _ in results if not isinstance(r, str)}
+    best = "least energy" if order == {"energy"} else "those that were measured to be nearest"
     table = Table(
-        title="Loops folded: least energy first, shapes that touch last. Energy is no confidence;"
-        " RMSD without superposition, where the file has the loop.",
+        title=f"Loops folded: {best} first, shapes that touch last. Expected error: median (80 %"
+        " of cases) of the RMSD, which is without superposition, where the file has the loop."
+        " Energy is no confidence.",
         title_justify="left",
     )
     for name in ("file", "closing pair", "sequence"):
         table.add_column(name, overflow="fold")
-    for name in ("rank", "E/K0 (1/Å)", "E (kT)", "touches", "RMSD (Å)", "models (Å)", "residual"):
+    table.add_column("rank", justify="right")
+    table.add_column("shape", overflow="fold")
+    for name in ("expected (Å)", "E/K0 (1/Å)", "by E", "touches", "RMSD (Å)", "models (Å)"):
         table.add_column(name, justify="right")
     table.add_column("folder", overflow="fold")
     for name, result, folder in results:
@@ -60,12 +66,13 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
                 pair if first else "",
                 result.hairpin.sequence if first else "",
                 str(c.rank),
+                c.shape,
+                expected_text(c.expected_rmsd_A),
                 f"{c.energy_per_A:.4f}",
-                f"{c.energy_kT:.2f}",
+                str(c.rank_energy),
                 c.contacts.touched,
                 "" if c.rmsd_A is None else f"{c.rmsd_A:.2f}",
                 models,
-                f"{c.residual:.0e}",
                 str(folder) if first else "",
             )
         table.add_section()
@@ -86,6 +93,8 @@ def fill_table(rows: "Iterable[Mapping[str, Any]]", out: Path) -> Table:
     -------
     rich.table.Table
     """
+    from loopelastica.folding.expected import expected_text
+
     title = (
         f"Strands, with the error to expect (80 % of cases); structures in {printable(str(out))}"
     )
@@ -105,8 +114,8 @@ def fill_table(rows: "Iterable[Mapping[str, Any]]", out: Path) -> Table:
         name = first if first == last else f"{first}-{last}"
         expected = "refused"
         if row["expected_rmsd_A"] is not None:
-            low, high = row["expected_10_A"], row["expected_90_A"]
-            expected = f"{row['expected_rmsd_A']:.1f} ({low:.1f}–{high:.1f})"
+            quantiles = ("expected_10_A", "expected_rmsd_A", "expected_90_A")
+            expected = expected_text([row[name] for name in quantiles])
         sound = {True: "yes", False: "no", None: ""}[row["sound"]]
         if len(models) > 1:
             sound = f"{sum(r['sound'] is True for r in models)} of {len(models)} models"
@@ -160,7 +169,7 @@ def scan_table(loop: "LoopScan", shown: int) -> Table:
             f"{clamp.taper:g}",
             str(c.ends.n_free),
             f"{shape.energy_per_A:.4f}",
-            f"{shape.rod.energy:.2f}",
+            f"{shape.line.energy:.2f}",
             shape.contacts.touched,
             "" if shape.rmsd_A is None else f"{shape.rmsd_A:.2f}",
         )

@@ -64,6 +64,11 @@ class ArcLine(NamedTuple):
         angle = angle[:, None]
         return np.asarray(np.cos(angle) * self.tangents[arc] + np.sin(angle) * self._inward()[arc])
 
+    def curvatures(self, s: Array) -> Array:
+        """Curvatures (m,) at arc lengths (m,), those of the arcs."""
+        arc = self._arcs(s)[0]
+        return np.asarray((self.angles / np.diff(self.s))[arc])
+
     def frames(self, s: Array, start: Array) -> Array:
         """Frames (m, 3, 3) at arc lengths (m,) that turn with the tangent and nothing else.
 

@@ -150,6 +150,10 @@ class SurroundedRod(Record):
         """Frames without twist in the start frame, shape (n, 3, 3), columns d1 d2 d3."""
         return np.asarray(self.start_frame.T @ self._line.frames(arc_lengths(n), self.start_frame))
 
+    def curvature(self, n: int | ArrayLike) -> Array:
+        """Curvature in units of one over the length, shape (n,), that of its arcs."""
+        return self._line.curvatures(arc_lengths(n))
+
     def points(self, n: int | ArrayLike) -> Array:
         """Points of the line where the span is, in its unit, shape (n, 3)."""
         return self.span.start + self.span.length * self._line.places(arc_lengths(n))

@@ -120,7 +120,7 @@ def _about(source: Path, fold: LoopFold, n_hairpins: int) -> dict[str, Any]:
         **{n: v for n, v in ends.clamp.to_dict().items() if n != "length_per_nucleotide_A"},
         "stem_rms_A": ends.rms_A,
         "energy_per_A": best.energy_per_A,
-        "energy_EL": best.rod.energy,
+        "energy_EL": best.line.energy,
         "touching": best.contacts.touching,
         "stem_contact_A": best.contacts.stem_A if math.isfinite(best.contacts.stem_A) else None,
         "n_candidates": len(fold.candidates),
