@@ -8,7 +8,7 @@ ribose on a template of DNA, is laid on the atoms of the sugar next to it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -17,6 +17,7 @@ from loopelastica._arrays import Array
 from loopelastica.atoms.chemistry import Residue, atom_names
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.measures import rigid_fit
+from loopelastica.atoms.site import Site
 from loopelastica.molecule.polymer import Monomer
 
 _PHOSPHATE: Final = ("P", "OP1", "OP2")
@@ -68,6 +69,28 @@ def grafted(template: Monomer, kind: Residue) -> dict[str, Array]:
             laid = to_origin + to_frame @ from_frame.T @ (ideal[name] - from_origin)
             at[name] = there.get(name, laid) if same else laid
     return at
+
+
+def grafts(site: Site, templates: Sequence[Monomer]) -> dict[str, dict[str, Array]]:
+    """Where the atoms of all nucleotides of a strand start, by their labels.
+
+    Parameters
+    ----------
+    site : Site
+        Where the strand is built.
+    templates : sequence of Monomer
+        What was carried there, one for each of its nucleotides.
+
+    Returns
+    -------
+    dict of str to dict of str to (3,) array
+        As :meth:`Site.given` takes it.
+    """
+    kinds = site.molecule.residues
+    return {
+        site.labels[k]: grafted(template, kind)
+        for k, (template, kind) in enumerate(zip(templates, kinds, strict=True))
+    }
 
 
 def _laid(ideal: Mapping[str, Array], name: str, beside: Mapping[str, Array]) -> Array:

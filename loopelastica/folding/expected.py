@@ -54,6 +54,24 @@ def length_class(n: int) -> str:
     return next(name for most, name in CLASSES if n <= most)
 
 
+LIKE: Final = ((0.5, 1.7, 3.8), (1.1, 3.6, 8.8))
+"""10, 50 and 90 % of the error of a template, Å: all letters the same, and none."""
+
+
+def expected_like(n: int, identity: float) -> Array:
+    """10, 50 and 90 % of the error of a strand that a template was deformed onto, (3,), Å.
+
+    Parameters
+    ----------
+    n : int
+        Nucleotides of the strand.
+    identity : float
+        Share of its letters that are the template's, 0 to 1.
+    """
+    same, other = np.log(LIKE)
+    return read_only(np.exp(identity * same + (1.0 - identity) * other))
+
+
 def signs(line: StrandLine, crowding: float) -> Array:
     """What is known of a strand without its answer: the factors of b, (6,)."""
     n, ends = line.ends.n, line.ends

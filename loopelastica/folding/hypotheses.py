@@ -12,15 +12,20 @@ from dataclasses import dataclass
 from typing import Final
 
 from loopelastica._arrays import Array, Record, read_only
+from loopelastica.folding.expected import expected_like
 from loopelastica.folding.lines import CandidateLine, RodLine
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.surroundings import SURROUNDED, rods_among
+from loopelastica.folding.template import MOST, deformed, loop_templates
 from loopelastica.molecule.clamp_rule import expected_rmsd_A
 from loopelastica.molecule.ends import ClosingPoses, StemEnds
 from loopelastica.molecule.hairpins import Hairpin
+from loopelastica.molecule.polymer import Monomer
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.rod.equilibrium import Equilibrium
 
+LIKE_PLACE: Final = 0
+"""Place of the templates that a user gives: before all else."""
 SURROUNDED_PLACE: Final = 100
 """Place of the rod in its surroundings: after the shapes, which have those from 0 on."""
 SAME_A: Final = 0.25
@@ -43,12 +48,16 @@ class Hypothesis(Record):
         10, 50 and 90 % of its error, Å.
     place : int
         In the default order, from 0; equal ones are ordered by energy.
+    carried : tuple of Monomer
+        Nucleotides of a template where the line takes them, in the coordinates of the file; empty
+        where there is none.
     """
 
     line: CandidateLine
     shape: str
     expected_rmsd_A: Array
     place: int
+    carried: tuple[Monomer, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Hypothesis {self.place}: {self.shape}>"
@@ -73,7 +82,42 @@ def hypotheses(
     tuple of Hypothesis
         In the default order; none where nothing is known of such a loop.
     """
-    return ()
+    return () if options.like is None else like_templates(hairpin, poses, options)
+
+
+def like_templates(
+    hairpin: Hairpin, poses: ClosingPoses, options: FoldOptions
+) -> tuple[Hypothesis, ...]:
+    """The loops of another structure, of equal length or respaced, deformed onto a stem.
+
+    Parameters
+    ----------
+    hairpin, poses, options
+        As for :func:`hypotheses`; `options.like` is not None.
+
+    Returns
+    -------
+    tuple of Hypothesis
+        The most similar ones first; none where no loop of that file fits.
+
+    Raises
+    ------
+    StructureError
+        If the file cannot be read, or has no such loop, or none that is whole on a regular stem.
+    """
+    assert options.like is not None
+    templates = loop_templates(options.like, len(hairpin), options.limits)
+    found = deformed(templates, poses, hairpin.sequence, hairpin.is_dna)
+    return tuple(
+        Hypothesis(
+            one.line,
+            one.shape,
+            expected_like(len(hairpin), one.identity),
+            LIKE_PLACE + k,
+            one.carried,
+        )
+        for k, one in enumerate(found[:MOST])
+    )
 
 
 def straight_rods(

@@ -10,17 +10,16 @@ first, then those that are deformed least.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
-from loopelastica._arrays import Array, Record
-from loopelastica._checks import file_name, shown
+from loopelastica._arrays import Record
 from loopelastica._names import safe_stem
 from loopelastica.errors import StructureError
 from loopelastica.folding.lines import ChainLine
@@ -28,7 +27,7 @@ from loopelastica.molecule.ends import ClosingPoses
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
 from loopelastica.molecule.nucleotides import Limits, Structure, enumerated, read_structure
 from loopelastica.molecule.polymer import Monomer
-from loopelastica.molecule.selection import ends_of, row_at, two_places
+from loopelastica.molecule.selection import Like, ends_of, row_at
 from loopelastica.molecule.templates import Template, hairpin_template, strand_template
 from loopelastica.rod.chain import deform_batch
 
@@ -38,55 +37,6 @@ PURINES: Final = "AG"
 # weights of a letter that differs: closing pair, first and last of the loop, others; and of one
 # that is of the same kind still
 _CLOSING, _OUTER, _INNER, _SAME_KIND = 0.25, 1.5, 1.0, 0.6
-_NO_CHAIN = re.compile(r"(^|[-–]\s*)_\.?(?=-?\d)")
-
-
-class Like(NamedTuple):
-    """What a user wants a strand to be like.
-
-    Attributes
-    ----------
-    text : str
-        As it was written.
-    file : str
-        The structure.
-    pair : str or None
-        The nucleotides before and after the strand, such as "A.4-A.9"; None: any of the file.
-    """
-
-    text: str
-    file: str
-    pair: str | None
-
-    @classmethod
-    def of(cls, text: str) -> Like:
-        """Read "FILE" or "FILE:A.4-A.9".
-
-        A colon may be part of the file's name: what is after the last one counts as a pair where it
-        looks like one, and no file has the whole name.
-
-        >>> Like.of("1zih.pdb:A.4-A.9")[1:], Like.of("C:/1zih.pdb")[1:]
-        (('1zih.pdb', 'A.4-A.9'), ('C:/1zih.pdb', None))
-        """
-        file, colon, pair = text.rpartition(":")
-        if not (colon and file) or Path(text).exists():
-            return cls(text, text, None)
-        pair = _NO_CHAIN.sub(r"\1", pair.strip())
-        try:
-            two_places("like", pair)
-        except ValueError:
-            if not Path(file).is_file():
-                return cls(text, text, None)
-            raise ValueError(
-                f"`like` is {shown(text)}; after the file comes the closing pair of its loop, like"
-                " A.4-A.9"
-            ) from None
-        return cls(text, file, pair)
-
-
-def like(name: str, value: Any) -> str:
-    """The check of the option: "FILE" or "FILE:A.4-A.9"."""
-    return Like.of(file_name(name, value)).text
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -266,7 +216,7 @@ def _of_length(templates: Sequence[Template], n: int) -> tuple[Template, ...]:
 
 def _key(text: str) -> tuple[Like, tuple[int, int]]:
     """What is asked for, and what changes when the file does."""
-    like = Like.of(text)
+    like = Like.of("like", text)
     try:
         state = os.stat(like.file)
     except (OSError, ValueError):
@@ -320,9 +270,7 @@ def _strand(like: Like, stamp: tuple[int, int], limits: Limits) -> Template:
     structure = _structure(like.file, stamp, limits)
     i, j = _rows(structure, like)
     try:
-        return strand_template(
-            structure.nucleotides, i, j, structure.positions(0), _called(like)
-        )
+        return strand_template(structure.nucleotides, i, j, structure.positions(0), _called(like))
     except StructureError as error:
         raise StructureError(f"{structure.where}: {error}") from None
 
@@ -334,12 +282,11 @@ def _same_letters(structure: Structure, n: int, sequence: str) -> Iterator[Templ
     wanted = sequence[1:-1].replace("T", "U")
     begin = letters.find(wanted, 1)
     while 0 < begin < len(letters) - n:
-        try:
+        # one that goes over an end of a chain or a break, or is not whole, is no strand
+        with suppress(StructureError):
             yield strand_template(
                 table, begin - 1, begin + n, structure.positions(0), safe_stem(Path(structure.name))
             )
-        except StructureError:
-            pass  # it goes over an end of a chain or a break, or is not whole
         begin = letters.find(wanted, begin + 1)
 
 
