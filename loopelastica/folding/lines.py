@@ -9,6 +9,7 @@ along is the smooth curve through its nodes, which leaves and meets the stem as 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
@@ -20,6 +21,7 @@ from loopelastica.molecule.ends import ClosingPoses, StemEnds
 from loopelastica.molecule.shapes import LoopShape
 from loopelastica.molecule.strands import ideal_strand, line_length_A
 from loopelastica.molecule.trace import loop_arc_positions
+from loopelastica.rod.chain import deform_batch
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.surrounded import SurroundedRod
 
@@ -285,3 +287,45 @@ class ChainLine(Record):
 
 
 CandidateLine: TypeAlias = RodLine | ChainLine
+
+
+def chain_lines(
+    shapes: Sequence[LoopShape], poses: ClosingPoses, is_dna: bool
+) -> list[ChainLine | None]:
+    """Shapes of one length, deformed onto a stem.
+
+    Parameters
+    ----------
+    shapes : sequence of LoopShape
+        Of as many nucleotides as the loop has.
+    poses : ClosingPoses
+        Where the ideal strands have the closing nucleotides.
+    is_dna : bool
+        Kind of the stem.
+
+    Returns
+    -------
+    list of ChainLine or None
+        One per shape; None where it cannot be deformed so far.
+    """
+    if not shapes:
+        return []
+    batch = deform_batch(
+        np.array([shape.steps_A for shape in shapes]),
+        np.array([shape.end_frame for shape in shapes]),
+        poses.position_A,
+        poses.rotation,
+    )
+    lines: list[ChainLine | None] = [None] * len(shapes)
+    for k in np.flatnonzero(batch.converged):
+        lines[k] = ChainLine(
+            shapes[k],
+            poses,
+            is_dna,
+            batch.nodes[k],
+            batch.rotations[k],
+            float(batch.energy[k]),
+            float(batch.residual[k]),
+            bool(batch.stable[k]),
+        )
+    return lines
