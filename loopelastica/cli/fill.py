@@ -24,6 +24,14 @@ _Repair = Annotated[
         " strand. Without it no existing atom moves.",
     ),
 ]
+_Like = Annotated[
+    str | None,
+    typer.Option(
+        help="Strand of another structure that these are like, by the nucleotides before and after"
+        " it, FILE:A.4-A.9; or FILE, any with the same letters, else its hairpin loops.",
+        show_default=False,
+    ),
+]
 _Candidates = Annotated[int, typer.Option(help="Most models per strand.", min=1)]
 
 
@@ -33,6 +41,7 @@ def fill(
     strand: _Strands = None,
     repair: _Repair = False,
     candidates: _Candidates = 1,
+    like: _Like = None,
     max_size: o.MaxSize = None,
     max_atoms: o.MaxAtoms = None,
     jobs: o.Jobs = None,
@@ -56,6 +65,7 @@ def fill(
             strands=strand or None,
             repair=repair,
             candidates=candidates,
+            like=like,
             **o.limits(max_size, max_atoms),
         )
         tasks = tasks_of(files, options.to_dict(), out)

@@ -12,7 +12,7 @@ import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import whole
-from loopelastica.folding.line import StrandLine
+from loopelastica.folding.line import LikeLine, StrandLine
 from loopelastica.molecule.nucleotides import enumerated
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ class FilledCandidate(Record):
     ----------
     rank : int
         1 for the one that is expected to be nearest.
-    line : StrandLine
+    line : StrandLine or LikeLine
         The line it was built on: energy, contacts, nearest atom.
     atoms : StrandModel
         Its atoms and what was measured on them.
@@ -45,7 +45,7 @@ class FilledCandidate(Record):
     """
 
     rank: int
-    line: StrandLine
+    line: StrandLine | LikeLine
     atoms: StrandModel
     expected_rmsd_A: Array
     waters: tuple[Removed, ...] = ()

@@ -19,6 +19,7 @@ from loopelastica.folding.hypotheses import (
     straight_rods,
     surrounded_rod,
 )
+from loopelastica.folding.like import check_loops, loop_templates, remark
 from loopelastica.folding.lines import POINTS_PER_NUCLEOTIDE
 from loopelastica.folding.options import FoldOptions, keywords
 from loopelastica.folding.rank import rank
@@ -91,6 +92,8 @@ def fold_hairpins(
     list of LoopFold
         One per hairpin.
     """
+    if options.like is not None:
+        check_loops(options.like, hairpins, options.limits)
     folds: list[list[LoopFold]] = [[] for _ in hairpins]
     others = others_of(structure, options) if hairpins else None
     for positions in structure.models():
@@ -157,7 +160,7 @@ def fold_model(
         clamping=clamping,
         backbone_A=backbone_A,
         unseen=rods.unseen,
-        remarks=tuple(_remarks(hairpin, ends, backbone_A)),
+        remarks=tuple(_remarks(hairpin, ends, backbone_A, options)),
     )
 
 
@@ -180,7 +183,9 @@ def _in_surroundings(
     return () if atoms_A is None else surrounded_rod(hairpin, ends, free, atoms_A)
 
 
-def _remarks(hairpin: Hairpin, ends: StemEnds, backbone_A: Array | None) -> Iterator[str]:
+def _remarks(
+    hairpin: Hairpin, ends: StemEnds, backbone_A: Array | None, options: FoldOptions
+) -> Iterator[str]:
     if not ends.regular:
         yield f"{hairpin.label}: {ends.misfit}; the clamp means little"
     if backbone_A is None:
@@ -188,3 +193,8 @@ def _remarks(hairpin: Hairpin, ends: StemEnds, backbone_A: Array | None) -> Iter
             f"{hairpin.label}: the file lacks backbone atoms of the loop, so the trace is compared"
             " with nothing"
         )
+    if options.like is not None:
+        templates = loop_templates(options.like, len(hairpin), options.limits)
+        unlike = remark(options.like, "loop", hairpin.label, len(hairpin), templates)
+        if unlike is not None:
+            yield unlike

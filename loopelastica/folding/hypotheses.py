@@ -13,10 +13,11 @@ from typing import Final
 
 from loopelastica._arrays import Array, Record, read_only
 from loopelastica.folding.expected import expected_like
+from loopelastica.folding.like import MOST, loop_templates
 from loopelastica.folding.lines import CandidateLine, RodLine
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.surroundings import SURROUNDED, rods_among
-from loopelastica.folding.template import MOST, deformed, loop_templates
+from loopelastica.folding.template import deformed
 from loopelastica.molecule.clamp_rule import expected_rmsd_A
 from loopelastica.molecule.ends import ClosingPoses, StemEnds
 from loopelastica.molecule.hairpins import Hairpin

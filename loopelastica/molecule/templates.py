@@ -215,6 +215,12 @@ def monomer_of(nucleotides: Nucleotides, row: int, positions: Array) -> Monomer:
     )
 
 
+def pair_name(nucleotides: Nucleotides, i: int, j: int) -> str:
+    """Two nucleotides as a user writes them, such as "A.4-A.9"."""
+    chain = f"{nucleotides.chain[i]}." if nucleotides.chain[i] else ""
+    return f"{chain}{nucleotides.number(i)}-{chain}{nucleotides.number(j)}"
+
+
 _LACKING = "backbone atoms of the loop are missing; it is no template"
 
 
@@ -227,5 +233,4 @@ def _carried(
 
 
 def _source(nucleotides: Nucleotides, i: int, j: int, file: str) -> str:
-    chain = f"{nucleotides.chain[i]}." if nucleotides.chain[i] else ""
-    return f"{file} {chain}{nucleotides.number(i)}-{chain}{nucleotides.number(j)}"
+    return f"{file} {pair_name(nucleotides, i, j)}"
