@@ -1,3 +1,4 @@
+import dataclasses
 import sys
 from pathlib import Path
 
@@ -52,7 +53,48 @@ def koc_lines():
 
 @pytest.fixture(scope="session")
 def fold(koc):
-    (loop,) = le.fold(koc, all_models=False, stem_extend_5=0, stem_extend_3=0, taper=0)
+    (loop,) = le.fold(
+        koc, all_models=False, stem_extend_5=0, stem_extend_3=0, taper=0, shapes="rod"
+    )
+    return loop
+
+
+@pytest.fixture(scope="session")
+def koc_shape(koc):
+    """The loop of 2KOC's eighth model."""
+    from loopelastica.molecule.hairpins import find_hairpins
+    from loopelastica.molecule.shapes import loop_shape
+
+    (hairpin,) = find_hairpins(koc)
+    shape, _ = loop_shape(koc.nucleotides, hairpin, koc.positions(7), "2koc A.5-A.10")
+    return shape
+
+
+@pytest.fixture(scope="session")
+def of_chains(koc_shape):
+    """In place of the hypotheses of a loop: that shape and one of it that is smaller."""
+    from loopelastica.folding.hypotheses import Hypothesis
+    from loopelastica.folding.lines import chain_lines
+
+    small = dataclasses.replace(koc_shape, steps_A=0.9 * koc_shape.steps_A, source="small")
+
+    def hypotheses(hairpin, poses, options):
+        lines = chain_lines([koc_shape, small], poses, hairpin.is_dna)
+        errors = np.array([0.5, 1.2, 2.0]), np.array([1.0, 2.0, 4.0])
+        return tuple(
+            Hypothesis(line, f"like {line.shape.source}", expected, place)
+            for place, (line, expected) in enumerate(zip(lines, errors, strict=True))
+        )
+
+    return hypotheses
+
+
+@pytest.fixture(scope="session")
+def chains(koc, of_chains):
+    """2KOC folded as these chains and as rods."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("loopelastica.folding.fold.hypotheses", of_chains)
+        (loop,) = le.fold(koc, all_models=False)
     return loop
 
 

@@ -317,7 +317,7 @@ def chain_lines(
         poses.rotation,
     )
     lines: list[ChainLine | None] = [None] * len(shapes)
-    for k in np.flatnonzero(batch.converged):
+    for k in np.flatnonzero(batch.converged).tolist():
         lines[k] = ChainLine(
             shapes[k],
             poses,

@@ -3,9 +3,10 @@
 The full structure is written with one MODEL per candidate, in their order. A candidate whose atoms
 are not sound (a wrong hand, a bond off by 0.05 Å, an angle off by 10°, a contact below 2.2 Å, no
 convergence) is left out and reported in atoms.json. All atoms but the loop's keep number, name and
-coordinates. Hydrogens of the file's own loop are gone with it: a model has heavy atoms. Waters
-within 3 Å of any model are left out, for they were placed around the file's own loop. Names are
-today's wwPDB names; a modified nucleotide that cannot be built is written as its parent.
+coordinates; those of the loop have the error to expect as B factor. Hydrogens of the file's own
+loop are gone with it: a model has heavy atoms. Waters within 3 Å of any model are left out, for
+they were placed around the file's own loop. Names are today's wwPDB names; a modified nucleotide
+that cannot be built is written as its parent.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.neighbours import elements, waters
 from loopelastica.molecule.nucleotides import Structure
 from loopelastica.molecule.reading import quiet
-from loopelastica.report.pdb import pdb_name
+from loopelastica.report.pdb import b_factor, expected_notes, pdb_name
 
 _WATER_A: Final = 3.0
 _LAST_SERIAL: Final = 99_999
@@ -128,7 +129,13 @@ def write_pdb(path: Path, atoms: LoopAtoms) -> None:
         quiet(),
         mda.Writer(str(path), n_atoms=len(universe.atoms), multiframe=True, bonds=bonds) as writer,
     ):
-        for model in atoms.written:
+        chosen = {candidate.rank: candidate for candidate in atoms.fold.candidates}
+        candidates = [chosen[model.rank] for model in atoms.written]
+        universe.trajectory.remarks = expected_notes(candidates)
+        b_factors = universe.atoms.tempfactors
+        for model, candidate in zip(atoms.written, candidates, strict=True):
+            expected = b_factor(float(candidate.expected_rmsd_A[1]))
+            universe.atoms.tempfactors = np.where(rows.is_loop, expected, b_factors)
             universe.atoms.positions = np.where(
                 rows.is_loop[:, None],
                 model.positions_A[rows.in_loop],

@@ -28,6 +28,8 @@ a ribosome would make half a gigabyte."""
 B_MAX_A2 = 999.0
 """Largest B factor that is written: what its column of the PDB format holds."""
 
+# letters of a remark that fit into an 80-column record
+_NOTE = 66
 _ATOMS = ("ATOM  ", "HETATM")
 _LEVEL = {"resnames": "residues", "icodes": "residues", "segids": "segments"}
 _LETTERS = string.ascii_uppercase + string.ascii_lowercase + string.digits
@@ -81,17 +83,22 @@ def b_factor(rmsd_A: float) -> float:
     return min(8.0 * math.pi**2 / 3.0 * rmsd_A**2, B_MAX_A2)
 
 
-def expected_records(candidates: Iterable[Candidate]) -> list[str]:
-    """REMARK records for the shapes of candidates and the errors to expect of them."""
-    records = ["REMARK  99 THE B FACTOR IS 8 PI^2/3 OF THE EXPECTED ERROR SQUARED"]
+def expected_notes(candidates: Iterable[Candidate]) -> list[str]:
+    """Remarks on the shapes of candidates and the errors to expect of them, visible ASCII."""
+    notes = ["THE B FACTOR IS 8 PI^2/3 OF THE EXPECTED ERROR SQUARED"]
     for one in candidates:
         low, middle, high = one.expected_rmsd_A
-        shape = printable(one.shape).encode("ascii", "replace").decode("ascii")
-        records += [
-            f"REMARK  99 CANDIDATE {one.rank}: {shape}"[:80],
-            f"REMARK  99   EXPECTED ERROR {middle:.1f} A (80 % BETWEEN {low:.1f} AND {high:.1f})",
+        shape = " ".join(pdb_name(word) for word in printable(one.shape).split())
+        notes += [
+            f"CANDIDATE {one.rank}: {shape}"[:_NOTE],
+            f"  EXPECTED ERROR {middle:.1f} A (80 % BETWEEN {low:.1f} AND {high:.1f})",
         ]
-    return records
+    return notes
+
+
+def expected_records(candidates: Iterable[Candidate]) -> list[str]:
+    """The same as REMARK records."""
+    return [f"REMARK  99 {note}" for note in expected_notes(candidates)]
 
 
 def point_records(

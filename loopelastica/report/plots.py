@@ -51,9 +51,20 @@ def plot_fold(fold: LoopFold, path: Path, title: str = "", sticks: Array | None 
         axes[name].set_xlabel("Å")
     _same_scale(axes["front"], axes["side"])
     _draw_curvature(axes["curvature"], fold)
+    text = f"expected error of 1 (80 %): {expected_text(fold.candidates[0].expected_rmsd_A)} Å"
+    axes["side"].text(0.03, 0.95, text, transform=axes["side"].transAxes, fontsize=7)
     # fixed margins: a layout engine would draw the picture twice
     figure.subplots_adjust(left=0.05, right=0.985, bottom=0.13, top=0.92, wspace=0.2)
-    axes["front"].legend(loc="upper left", fontsize=7, frameon=False)
+    # the lines are drawn from the last to the first
+    handles, labels = axes["front"].get_legend_handles_labels()
+    last = len(fold.candidates)
+    shown = [*range(last)[::-1], *range(last, len(labels))]
+    legend = axes["front"].legend(
+        [handles[k] for k in shown], [labels[k] for k in shown],
+        loc="upper left", fontsize=7, frameon=False,
+    )  # fmt: skip
+    for label in legend.get_texts():
+        label.set_parse_math(False)
     with warnings.catch_warnings():
         # letters of a name that the font lacks are drawn as boxes
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
@@ -85,10 +96,8 @@ def _draw_lines(axes: Any, fold: LoopFold, flat: Callable[[Array], Array]) -> No
         first = candidate.rank == 1
         # printable: a shape may be called after a file
         label = f"{candidate.rank}: {printable(candidate.shape)}"
-        if first:
-            label += f", expected error {expected_text(candidate.expected_rmsd_A)} Å"
         if candidate.rmsd_A is not None:
-            label += f", RMSD {candidate.rmsd_A:.2f} Å"
+            label += f", {candidate.rmsd_A:.2f} Å"
         axes.plot(
             *flat(points).T, color=_colour(candidate.rank), lw=2.2 if first else 1.0, label=label
         )

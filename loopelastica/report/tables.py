@@ -21,7 +21,7 @@ def console() -> Console:
     terminal = Console(markup=False, emoji=False)
     # a file or a pipe has no width: leave the numbers whole
     if not terminal.is_terminal:
-        terminal.width = 150
+        terminal.width = 170
     return terminal
 
 
@@ -45,8 +45,9 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
     for name in ("file", "closing pair", "sequence"):
         table.add_column(name, overflow="fold")
     table.add_column("rank", justify="right")
-    table.add_column("shape", overflow="fold")
-    for name in ("expected (Å)", "E/K0 (1/Å)", "by E", "touches", "RMSD (Å)", "models (Å)"):
+    table.add_column("shape", overflow="fold", min_width=16)
+    table.add_column("expected (Å)", justify="right", no_wrap=True)
+    for name in ("E/K0 (1/Å)", "by E", "touches", "RMSD (Å)", "models (Å)"):
         table.add_column(name, justify="right")
     table.add_column("folder", overflow="fold")
     for name, result, folder in results:

@@ -22,7 +22,7 @@ def around(positions, metal=False, owner=NOBODY):
 
 def test_what_is_broken_is_found(koc, fold, models):
     model = models[0]
-    site = site_of(koc, fold, koc.positions(0))
+    site = site_of(koc, fold, koc.positions(0), fold.candidates[0].line)
     good = model.relaxed.positions_A
     line = np.zeros((4, 3))
 
@@ -46,7 +46,7 @@ def test_what_is_broken_is_found(koc, fold, models):
 @pytest.mark.parametrize(("share", "wrong"), [(0.45, True), (0.55, False)])
 def test_a_sugar_centre_flattened_below_half_its_volume_is_wrong(koc, fold, models, share, wrong):
     """C1' of the first nucleotide, moved towards the plane of its neighbours."""
-    model, site = models[0], site_of(koc, fold, koc.positions(0))
+    model, site = models[0], site_of(koc, fold, koc.positions(0), fold.candidates[0].line)
     positions = model.relaxed.positions_A.copy()
     centre, *around = (model.molecule.index(0, name) for name in ("C1'", "O4'", "C2'", "N1"))
     a, b, c = positions[around]
@@ -63,7 +63,7 @@ def test_a_sugar_centre_flattened_below_half_its_volume_is_wrong(koc, fold, mode
 @pytest.fixture
 def checked(koc, fold, models):
     """Check positions of the first candidate, beside other atoms than the stem's if need be."""
-    site = site_of(koc, fold, koc.positions(0))
+    site = site_of(koc, fold, koc.positions(0), fold.candidates[0].line)
 
     def check_them(positions, others=None, status=Status.CONVERGED, **kinds):
         here = site if others is None else dataclasses.replace(site, around=around(others, **kinds))

@@ -9,7 +9,7 @@ from loopelastica.molecule.nucleotides import BACKBONE
 
 @pytest.fixture(scope="module")
 def site(koc, fold):
-    return site_of(koc, fold, koc.positions(0))
+    return site_of(koc, fold, koc.positions(0), fold.candidates[0].line)
 
 
 def volume(positions, quad):

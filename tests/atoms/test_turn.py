@@ -13,7 +13,7 @@ from loopelastica.molecule.strands import ideal_strand
 
 @pytest.fixture(scope="module")
 def site(koc, fold):
-    return site_of(koc, fold, koc.positions(0))
+    return site_of(koc, fold, koc.positions(0), fold.candidates[0].line)
 
 
 @pytest.fixture(scope="module")

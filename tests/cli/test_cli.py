@@ -68,7 +68,7 @@ def test_ranking_json_tells_all_that_is_needed_to_repeat_it(folded):
     assert float(rows[0]["energy_per_A"]) == first["energy_per_A"]
 
 
-def test_traces_are_read_back_with_rank_chain_and_numbers(folded):
+def test_traces_are_read_back_with_chain_numbers_and_expected_errors(folded):
     import MDAnalysis as mda
 
     content = json.loads((folded[0] / "ranking.json").read_text())
@@ -80,12 +80,15 @@ def test_traces_are_read_back_with_rank_chain_and_numbers(folded):
     assert len(universe.trajectory) == len(content["candidates"])
     for frame, candidate in zip(universe.trajectory, content["candidates"], strict=True):
         np.testing.assert_allclose(frame.positions, candidate["trace_A"], atol=6e-4)
-    ranks = [
+    b_factors = [
         float(line[60:66])
         for line in (folded[0] / "traces.pdb").read_text().splitlines()
         if line.startswith("ATOM")
     ]
-    assert ranks == [c["rank"] for c in content["candidates"] for _ in range(4)]
+    expected = [c["expected_rmsd_A"][1] for c in content["candidates"] for _ in range(4)]
+    np.testing.assert_allclose(
+        b_factors, np.minimum(8 * np.pi**2 / 3 * np.square(expected), 999.0), atol=0.006
+    )
 
 
 def test_the_dense_line_ends_at_the_stem_and_has_unit_tangents(folded):

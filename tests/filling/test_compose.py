@@ -1,12 +1,10 @@
 """What the filled file says of itself."""
 
-import math
-
 import gapped
 import pytest
 
 import loopelastica as le
-from loopelastica.filling.compose import B_MAX_A2, b_factor, changes_of
+from loopelastica.filling.compose import changes_of
 
 pytest.importorskip("rdkit")
 
@@ -15,15 +13,6 @@ def remarks(text):
     return " ".join(
         line[11:].strip() for line in text.splitlines() if line.startswith("REMARK  99")
     )
-
-
-def test_the_b_factor_is_that_of_an_error():
-    # mean square displacement along one axis is B over 8π², and an error has three axes
-    for error in (0.5, 1.0, 2.0):
-        assert b_factor(error) / (8 * math.pi**2) == pytest.approx(error**2 / 3)
-    assert b_factor(0.0) == 0.0
-    assert b_factor(50.0) == B_MAX_A2
-    assert len(f"{b_factor(50.0):6.2f}") == 6
 
 
 def test_the_file_says_what_was_modelled_from_what_and_how_well(tmp_path):

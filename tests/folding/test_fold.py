@@ -15,7 +15,8 @@ from loopelastica.folding.options import FoldOptions
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
 
-PLAIN = {"stem_extend_5": 0, "stem_extend_3": 0, "taper": 0.0}
+PLAIN = {"stem_extend_5": 0, "stem_extend_3": 0, "taper": 0.0, "shapes": "rod"}
+RODS = FoldOptions(shapes="rod")
 HAIRPIN = data_path("hairpins/2koc.pdb")
 
 
@@ -26,7 +27,7 @@ def structure():
 
 @pytest.fixture(scope="module")
 def loop():
-    (loop,) = le.fold(HAIRPIN)
+    (loop,) = le.fold(HAIRPIN, shapes="rod")
     return loop
 
 
@@ -70,7 +71,7 @@ def test_first_ranked_rmsd_of_the_clamp_at_the_closing_pair(hairpin_folder, entr
     ],
 )
 def test_first_ranked_rmsd_by_the_rule(hairpin_folder, entry, loop_name, clamp, rmsd):
-    loops = le.fold(hairpin_folder / f"{entry}.gz", all_models=False)
+    loops = le.fold(hairpin_folder / f"{entry}.gz", all_models=False, shapes="rod")
     (loop,) = (loop for loop in loops if loop.hairpin.name == loop_name)
     assert (loop.ends.clamp.stem_extend_5, loop.ends.clamp.stem_extend_3) == clamp
     assert loop.candidates[0].rmsd_A == pytest.approx(rmsd, abs=0.05)
@@ -102,7 +103,9 @@ def test_a_stem_that_is_no_helix_is_refused(hairpin_folder):
 
 def test_shapes_that_touch_come_after_those_that_do_not(structure, loop):
     # a rod much too long for its loop runs into the stem
-    (long,) = le.fold(HAIRPIN, length_per_nucleotide_A=20.0, all_models=False, max_candidates=30)
+    (long,) = le.fold(
+        HAIRPIN, length_per_nucleotide_A=20.0, all_models=False, max_candidates=30, shapes="rod"
+    )
     touching = [c.contacts.touching for c in long.candidates]
     assert any(touching)
     assert touching == sorted(touching)
@@ -120,7 +123,7 @@ def test_scrambling_the_loop_changes_no_prediction_of_the_rule(hairpin_folder, e
     scrambled = positions.copy()
     scrambled[atoms[atoms >= 0]] += rng.normal(scale=9.0, size=((atoms >= 0).sum(), 3))
     here, there = (
-        fold_model(structure.nucleotides, hairpin, x, FoldOptions()) for x in (positions, scrambled)
+        fold_model(structure.nucleotides, hairpin, x, RODS) for x in (positions, scrambled)
     )
     for a, b in zip(here.candidates, there.candidates, strict=True):
         np.testing.assert_array_equal(a.trace, b.trace)
@@ -129,9 +132,7 @@ def test_scrambling_the_loop_changes_no_prediction_of_the_rule(hairpin_folder, e
 
 def test_each_model_is_clamped_by_its_own_stem_and_compared_with_its_own_loop(structure, loop):
     for model in (3, 7):
-        alone = fold_model(
-            structure.nucleotides, loop.hairpin, structure.positions(model), FoldOptions()
-        )
+        alone = fold_model(structure.nucleotides, loop.hairpin, structure.positions(model), RODS)
         assert alone.candidates[0].rmsd_A == loop.candidates[0].rmsd_models_A[model]
 
 
@@ -140,10 +141,10 @@ def test_scrambling_the_loop_changes_no_prediction(structure, loop, rng):
     atoms = np.unique(structure.nucleotides.atom_index[hairpin.loop])
     atoms = atoms[atoms >= 0]
     positions = structure.positions(0)
-    reference = fold_model(structure.nucleotides, hairpin, positions, FoldOptions())
+    reference = fold_model(structure.nucleotides, hairpin, positions, RODS)
     scrambled = positions.copy()
     scrambled[atoms] += rng.normal(scale=5.0, size=(len(atoms), 3))
-    other = fold_model(structure.nucleotides, hairpin, scrambled, FoldOptions())
+    other = fold_model(structure.nucleotides, hairpin, scrambled, RODS)
     for a, b in zip(reference.candidates, other.candidates, strict=True):
         np.testing.assert_array_equal(a.trace, b.trace)
         assert a.rod.energy == b.rod.energy
@@ -175,7 +176,7 @@ def test_rigid_motion_through_a_pdb_file(tmp_path, rng, loop):
         universe = mda.Universe(HAIRPIN)
         universe.atoms.positions = turn.apply(universe.atoms.positions) + [10.0, -20.0, 5.0]
         universe.atoms.write(tmp_path / "moved.pdb")
-    (moved,) = le.fold(tmp_path / "moved.pdb")
+    (moved,) = le.fold(tmp_path / "moved.pdb", shapes="rod")
     expected = loop.candidates[0].trace @ turn.as_matrix().T + [10.0, -20.0, 5.0]
     np.testing.assert_allclose(moved.candidates[0].trace, expected, atol=2e-3)
 
@@ -191,9 +192,9 @@ def universe():
 
 def test_a_universe_counts_with_its_current_frame(universe, structure, loop):
     universe.trajectory[7]
-    (here,) = le.fold(universe)
+    (here,) = le.fold(universe, shapes="rod")
     assert universe.trajectory.frame == 7
-    alone = fold_model(structure.nucleotides, loop.hairpin, structure.positions(7), FoldOptions())
+    alone = fold_model(structure.nucleotides, loop.hairpin, structure.positions(7), RODS)
     np.testing.assert_allclose(here.candidates[0].trace, alone.candidates[0].trace, atol=1e-9)
     assert abs(here.candidates[0].rmsd_A - loop.candidates[0].rmsd_A) > 0.05
     # one frame is one model
@@ -204,7 +205,7 @@ def test_a_universe_counts_with_its_current_frame(universe, structure, loop):
 
 
 def test_of_a_group_of_atoms_only_its_nucleotides_count(universe, loop):
-    (folded,) = le.fold(universe.select_atoms("resid 4:11"))
+    (folded,) = le.fold(universe.select_atoms("resid 4:11"), shapes="rod")
     np.testing.assert_array_equal(folded.candidates[0].trace, loop.candidates[0].trace)
     assert folded.hairpin.n_pairs == 2
     assert le.find_hairpins(universe.select_atoms("resid 1:8")) == []
@@ -214,7 +215,9 @@ def test_of_a_group_of_atoms_only_its_nucleotides_count(universe, loop):
 
 
 def test_darboux_clamping_and_line_length_are_the_users_choice(loop):
-    (clamped,) = le.fold(HAIRPIN, free_spin=False, torsion_ratio=0.7, all_models=False)
+    (clamped,) = le.fold(
+        HAIRPIN, free_spin=False, torsion_ratio=0.7, all_models=False, shapes="rod"
+    )
     assert clamped.candidates[0].rod.torsion_ratio == 0.7
     assert clamped.candidates[0].rod.energy > loop.candidates[0].rod.energy
     (longer,) = le.fold(HAIRPIN, length_per_nucleotide_A=7.0, all_models=False)
@@ -255,7 +258,7 @@ def test_a_model_that_lacks_a_loop_is_folded_but_not_compared(tmp_path):
 
 
 def test_models_that_cannot_be_folded_are_numbered_as_in_the_file():
-    (loop,) = le.fold(HAIRPIN, length_per_nucleotide_A=3.634)
+    (loop,) = le.fold(HAIRPIN, length_per_nucleotide_A=3.634, shapes="rod")
     numbers = [int(re.match(r"model (\d+): ", s)[1]) for s in loop.model_failures]
     missing = ~np.isfinite(loop.candidates[0].rmsd_models_A)
     assert numbers == (1 + np.flatnonzero(missing)).tolist()
@@ -266,7 +269,7 @@ def test_a_loop_with_a_missing_atom_is_folded_but_not_compared(tmp_path, loop):
     lines = HAIRPIN.read_text().split("ENDMDL")[0].splitlines()
     path = tmp_path / "missing.pdb"
     path.write_text("\n".join(s for s in lines if s[12:26] != " P     C A   8"))
-    (folded,) = le.fold(path)
+    (folded,) = le.fold(path, shapes="rod")
     np.testing.assert_array_equal(folded.candidates[0].trace, loop.candidates[0].trace)
     assert folded.candidates[0].rmsd_A is None
     assert "lacks backbone atoms" in folded.remarks[0]

@@ -133,6 +133,6 @@ def test_where_no_rod_is_found_the_strand_is_refused_by_its_name(two, monkeypatc
         converged = False
         message = "the ends are too far apart"
 
-    monkeypatch.setattr(module, "surrounded_rods", lambda *_, **__: (Lost(),))
+    monkeypatch.setattr(module, "rods_among", lambda *_, **__: (Lost(),))
     with pytest.raises(StructureError, match=r"A\.6-7: no line was found .*the ends are too far"):
         strand_lines(*two)

@@ -31,6 +31,12 @@ FOLD = {
     "energy_max": (0, -5, NAN, INF, "30"),
     "max_candidates": (0, 0.5, -1, 1.5, NAN, "3", None, True),
     "all_models": ("all", 0),
+    "shapes": ("rods", "", None, 1, ["rod"]),
+    "rank": ("Energy", "", None, 1),
+    "like": ("", " ", 5, b"1zih.pdb", "a\0b"),
+    "library": ("", 5, ["loops.lib"]),
+    "exclude_relatives": ("no", 1, None),
+    "surroundings": ("no", 1, None),
 }
 SCAN = {
     "extend_5_max": (-1, 0.5, NAN, "1", None),

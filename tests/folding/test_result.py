@@ -13,7 +13,7 @@ HAIRPIN = data_path("hairpins/2koc.pdb")
 
 @pytest.fixture(scope="module")
 def loop():
-    (loop,) = le.fold(HAIRPIN, all_models=False)
+    (loop,) = le.fold(HAIRPIN, all_models=False, shapes="rod")
     return loop
 
 
@@ -25,10 +25,12 @@ def refused():
 
 def test_results_are_one_short_line_with_the_physics(loop, refused, models):
     (scanned,) = le.scan(HAIRPIN, extend_5_max=0, extend_3_max=0)
+    first = "straight rod, E/K0 0.302 1/Å, RMSD 2.12 Å"
+    second = "straight rod, E/K0 1.51 1/Å, RMSD 5.99 Å, touches stem, self"
     expected = {
-        "<LoopFold A6-9 CUUCGG: 3 candidates, first E/K0 0.302 1/Å, RMSD 2.12 Å>": loop,
-        "<Candidate 1: E/K0 0.302 1/Å, RMSD 2.12 Å>": loop.candidates[0],
-        "<Candidate 2: E/K0 1.51 1/Å, RMSD 5.99 Å, touches stem, self>": loop.candidates[1],
+        f"<LoopFold A6-9 CUUCGG: 3 candidates, first {first}>": loop,
+        f"<Candidate 1: {first}>": loop.candidates[0],
+        f"<Candidate 2: {second}>": loop.candidates[1],
         "<Hairpin A6-9 CUUCGG: RNA, 4 nt on a stem of 5 pairs>": loop.hairpin,
         "<StemEnds 14.2 Å apart, line of 24.0 Å on 4 nucleotides, stem misfit 0.50 Å>": loop.ends,
     }
@@ -44,7 +46,8 @@ def test_results_are_one_short_line_with_the_physics(loop, refused, models):
 def test_a_notebook_shows_a_table_of_candidates(loop, refused):
     html = loop._repr_html_()
     assert html.count("<tr>") == 1 + len(loop.candidates)
-    assert "<td>2.12</td>" in html
+    for text in ("straight rod", "2.12", "1.9 (1.1–3.6)"):
+        assert f"<td>{text}</td>" in html
     assert "no rod fits" in refused._repr_html_()
 
 

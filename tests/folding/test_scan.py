@@ -26,7 +26,7 @@ def test_every_feasible_clamp_is_there_and_the_rules_is_marked(scanned):
     assert all(c.ends.distance_A < c.ends.length_A for c in scanned.candidates)
     assert all(c.ends.n_free >= 2 for c in scanned.candidates)
     (first, *_) = (c for c in scanned.candidates if c.is_rule)
-    (loop,) = le.fold(HAIRPIN, all_models=False)
+    (loop,) = le.fold(HAIRPIN, all_models=False, shapes="rod")
     np.testing.assert_array_equal(first.candidate.trace, loop.candidates[0].trace)
 
 

@@ -105,3 +105,26 @@ def test_a_group_of_atoms_is_followed_as_the_whole(universe):
     whole = le.LoopElastica(universe).run(stop=3)
     group = le.LoopElastica(universe.select_atoms("resid 3:12")).run(stop=3)
     np.testing.assert_array_equal(group.results.rmsd_A, whole.results.rmsd_A)
+
+
+def test_what_is_around_a_loop_counts_in_each_frame(universe):
+    import MDAnalysis as mda
+
+    (loop,) = le.fold(universe)
+    ligand = mda.Universe.empty(6, n_residues=1, atom_resindex=[0] * 6, trajectory=True)
+    for name, values in {
+        "name": ["C1"] * 6, "resname": ["LIG"], "resid": [1], "segid": ["L"], "chainID": ["L"] * 6,
+    }.items():  # fmt: skip
+        ligand.add_TopologyAttr(name, values)
+    ligand.atoms.positions = loop.candidates[0].line.points(np.linspace(0.3, 0.7, 6))
+    both = mda.Merge(universe.atoms, ligand.atoms)
+    crowded, empty = (
+        le.LoopElastica(both, surroundings=wanted, rank="energy").run().results.traces_A
+        for wanted in (True, False)
+    )
+    # the straight rod costs less, and runs through the ligand
+    np.testing.assert_array_equal(crowded, empty)
+    (loop,) = le.fold(both)
+    first = le.LoopElastica(both).run().results.traces_A
+    np.testing.assert_allclose(first[0], loop.candidates[0].trace, atol=1e-9)
+    assert np.abs(first - empty).max() > 0.5

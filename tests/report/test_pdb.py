@@ -3,6 +3,7 @@
 import dataclasses
 import gzip
 import json
+import math
 import warnings
 
 import numpy as np
@@ -11,7 +12,14 @@ import pytest
 import loopelastica as le
 from loopelastica._files import data_path
 from loopelastica.molecule.nucleotides import read_structure
-from loopelastica.report.pdb import WholeStructure, bond_records, one_letter_chains, point_records
+from loopelastica.report.pdb import (
+    B_MAX_A2,
+    WholeStructure,
+    b_factor,
+    bond_records,
+    one_letter_chains,
+    point_records,
+)
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
 
@@ -206,9 +214,18 @@ def test_names_of_residues_and_insertion_codes_keep_their_columns(koc, fold):
     icode[:2] = ["\n", "AB"]
     loop = dataclasses.replace(fold, hairpin=dataclasses.replace(fold.hairpin, icode=icode))
     structure = dataclasses.replace(koc, nucleotides=table)
-    records = point_records(loop, structure, fold.candidates[0].trace, "A", 1, 1)
+    records = point_records(loop, structure, fold.candidates[0], "A", 1)
     assert [s[17:20] for s in records] == ["a_b", "U_C", "  _", "ABC"]
     assert [s[26] for s in records] == ["_", "A", " ", " "]
     np.testing.assert_allclose(
         [float(s[30:38]) for s in records], fold.candidates[0].trace[:, 0], atol=1e-3
     )
+
+
+def test_the_b_factor_is_that_of_an_error():
+    # mean square displacement along one axis is B over 8π², and an error has three axes
+    for error in (0.5, 1.0, 2.0):
+        assert b_factor(error) / (8 * math.pi**2) == pytest.approx(error**2 / 3)
+    assert b_factor(0.0) == 0.0
+    assert b_factor(50.0) == B_MAX_A2
+    assert len(f"{b_factor(50.0):6.2f}") == 6

@@ -35,7 +35,7 @@ def test_the_content_of_ranking_is_json_without_nan(fold, refused):
 
 
 def test_the_dense_line_runs_from_end_to_end(fold):
-    dense = line(fold, fold.candidates[0], 7)
+    dense = line(fold.candidates[0], 7)
     np.testing.assert_allclose(
         dense["points"][[0, -1]], [fold.ends.start_origin_A, fold.ends.end_origin_A], atol=1e-6
     )
@@ -44,8 +44,8 @@ def test_the_dense_line_runs_from_end_to_end(fold):
 
 
 def test_the_twist_of_the_dense_line_is_the_twisting_moment_over_K3(koc):
-    (loop,) = le.fold(koc, free_spin=False, torsion_ratio=0.5, all_models=False, max_candidates=1)
+    (loop,) = le.fold(koc, free_spin=False, torsion_ratio=0.5, all_models=False, shapes="rod")
     rod = loop.candidates[0].rod
     assert abs(rod.loads[5]) > 0.01
     expected = np.full(5, rod.loads[5] / 0.5 / loop.length_A)
-    np.testing.assert_allclose(line(loop, loop.candidates[0], 5)["twist"], expected)
+    np.testing.assert_allclose(line(loop.candidates[0], 5)["twist"], expected)
