@@ -1,7 +1,7 @@
 """Many elastic chains deformed at once: plain arrays in and out, a failed row is a status.
 
 The chain is in ``kernels.chain``, how it is deformed in ``kernels.chain_minimization``. For one
-chain, and what follows from it, see :mod:`.rest_shape`.
+chain, and what follows from it, see :mod:`.deformed`.
 """
 
 from dataclasses import dataclass
@@ -132,7 +132,7 @@ def deform_batch(
         ratio, False, np.zeros((1, 0, 4)), True, rows,
     )  # fmt: skip
     return ChainBatch(
-        rows.nodes, rows.rotations[:, :m], rows.energy, rows.residual, rows.index, rows.status
+        rows.nodes, rows.rotations[:, :m], rows.energy, rows.residual, rows.morse_index, rows.status
     )
 
 
