@@ -56,6 +56,7 @@ def fill(
     from loopelastica.batch.fills import FILLS
     from loopelastica.batch.run import distinct, run, tasks_of
     from loopelastica.filling.options import FillOptions
+    from loopelastica.folding.like import check_strands, file_of
     from loopelastica.report.tables import console, fill_table
 
     o.refuse(o.either(jobs, scheduler))
@@ -68,7 +69,11 @@ def fill(
             like=like,
             **o.limits(max_size, max_atoms),
         )
-        tasks = tasks_of(files, options.to_dict(), out)
+    if options.like is not None:
+        # a template that is none fails once, not for each file
+        check_strands(options.like, (), options.limits)
+    with o.usage():
+        tasks = tasks_of(files, options.to_dict(), out, [file_of(options.like)])
         progress = len(files) > 1
         done = run(FILLS, tasks, out, jobs or 1, scheduler, progress, wording=in_options)
     if done.n_files > 1 or done.n_resumed:

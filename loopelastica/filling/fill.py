@@ -30,7 +30,7 @@ from loopelastica.filling.result import (
     waters_of,
 )
 from loopelastica.folding.expected import expected_rmsd
-from loopelastica.folding.like import check_strands, remark, strand_templates
+from loopelastica.folding.like import check_strands, remarks, strand_templates
 from loopelastica.folding.line import NEAR_A, LikeLine
 from loopelastica.folding.options import keywords
 from loopelastica.molecule.entry import Entry, read_entry
@@ -151,7 +151,7 @@ class _Filler:
         self.entry, self.model, self.options = entry, model, options
         self.found = _found(entry, model, options)
         if options.like is not None:
-            check_strands(options.like, [gap.context for gap in self.found.gaps], options.limits)
+            check_strands(options.like, self.found.gaps, options.limits)
         replaced = {m.label for gap in self.found.gaps for m in gap.replaces}
         self.given = heavy_atoms(entry, model)
         self.atoms = self.given.without(replaced)
@@ -239,14 +239,13 @@ class _Filler:
             nucleotides=len(gap),
         )
 
-    def _templates(self, gap: Gap) -> tuple[tuple[Template, ...], Iterator[str]]:
+    def _templates(self, gap: Gap) -> tuple[tuple[Template, ...], tuple[str, ...]]:
         """What a strand is to be like, and what is to be said of that."""
-        like, limits = self.options.like, self.options.limits
+        like = self.options.like
         if like is None:
-            return (), iter(())
-        found = strand_templates(like, len(gap), gap.context, limits)
-        said = remark(like, "strand", gap.name, len(gap), found)
-        return found, iter(() if said is None else (said,))
+            return (), ()
+        found = strand_templates(like, gap, self.options.limits)
+        return found, tuple(remarks(like, "strand", gap.name, len(gap), found))
 
     def _refused(self, found: Refusal) -> FilledStrand:
         return FilledStrand(
@@ -316,7 +315,7 @@ def _left(incomplete: Sequence[Incomplete]) -> Iterator[str]:
 
 def _remarks(gap: Gap, first: FilledCandidate, like: bool) -> Iterator[str]:
     if like and not isinstance(first.line, LikeLine):
-        yield f"{gap.name}: no model like the template is sound; it is filled without"
+        yield f"{gap.name}: no model that is like its template is sound; it is made without"
     near = first.line.nearest_A
     if near is not None and near < NEAR_A:
         yield (

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from loopelastica._arrays import Array
 from loopelastica.atoms.carry import ChainCurve, Curve, Line
 from loopelastica.atoms.strand import StrandModel, build_strand
-from loopelastica.folding.like import MOST
 from loopelastica.folding.line import LikeLine, StrandLine, like_lines, strand_lines
 from loopelastica.molecule.ends import ClosingPoses
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
@@ -61,7 +60,7 @@ def strand_models(
         If no line was found, or a base is unknown.
     """
     models: list[tuple[StrandLine | LikeLine, StrandModel]] = [
-        (line, _like(line, gap, atoms)) for line in like_lines(gap, ends, atoms, templates)[:MOST]
+        (line, _like(line, gap, atoms)) for line in like_lines(gap, ends, atoms, templates)
     ]
     sound = sum(model.checks.sound for _, model in models)
     if sound < most:

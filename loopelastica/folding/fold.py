@@ -19,7 +19,7 @@ from loopelastica.folding.hypotheses import (
     straight_rods,
     surrounded_rod,
 )
-from loopelastica.folding.like import check_loops, loop_templates, remark
+from loopelastica.folding.like import check_loops, loop_templates, remarks
 from loopelastica.folding.lines import POINTS_PER_NUCLEOTIDE
 from loopelastica.folding.options import FoldOptions, keywords
 from loopelastica.folding.rank import rank
@@ -195,6 +195,4 @@ def _remarks(
         )
     if options.like is not None:
         templates = loop_templates(options.like, len(hairpin), options.limits)
-        unlike = remark(options.like, "loop", hairpin.label, len(hairpin), templates)
-        if unlike is not None:
-            yield unlike
+        yield from remarks(options.like, "loop", hairpin.label, len(hairpin), templates)

@@ -12,13 +12,23 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
+from loopelastica._arrays import Array
 from loopelastica._names import safe_stem
 from loopelastica.errors import StructureError
+from loopelastica.folding.template import deformed
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
-from loopelastica.molecule.nucleotides import Limits, Structure, enumerated, read_structure
+from loopelastica.molecule.nucleotides import (
+    Limits,
+    Nucleotides,
+    Structure,
+    enumerated,
+    read_structure,
+)
+from loopelastica.molecule.polymer import Gap
 from loopelastica.molecule.selection import Like, ends_of, row_at
+from loopelastica.molecule.strand_ends import flank_poses
 from loopelastica.molecule.templates import (
     Template,
     hairpin_template,
@@ -28,6 +38,14 @@ from loopelastica.molecule.templates import (
 
 MOST: Final = 3
 """Templates that are taken where no loop is named."""
+MOST_BENT: Final = 5.0
+"""Energy E·L/K0 above which a hairpin loop that was not named is not like a strand: 19 of 20 loops
+of four nucleotides are deformed onto each other with less than 4, onto other strands few are."""
+
+
+def file_of(text: str | None) -> str | None:
+    """The file that the option `like` names, if it names one."""
+    return None if text is None else Like.of("like", text).file
 
 
 def loop_templates(text: str, n: int, limits: Limits) -> tuple[Template, ...]:
@@ -55,17 +73,15 @@ def loop_templates(text: str, n: int, limits: Limits) -> tuple[Template, ...]:
     return _of_length(_loops(*_key(text), limits), n)
 
 
-def strand_templates(text: str, n: int, sequence: str, limits: Limits) -> tuple[Template, ...]:
-    """The templates of a file for any strand of n nucleotides.
+def strand_templates(text: str, gap: Gap, limits: Limits) -> tuple[Template, ...]:
+    """The templates of a file for any strand.
 
     Parameters
     ----------
     text : str
         As for the option `like`.
-    n : int
-        How many nucleotides the strand has.
-    sequence : str
-        Its letters and those of the two beside it.
+    gap : Gap
+        Where it is to be.
     limits : Limits
         How large the file may be.
 
@@ -73,7 +89,7 @@ def strand_templates(text: str, n: int, sequence: str, limits: Limits) -> tuple[
     -------
     tuple of Template
         As for :func:`loop_templates`. Without a pair strands of the same letters, wherever they are
-        in the file; else its hairpin loops.
+        in the file; else those of its hairpin loops that fit the ends.
 
     Raises
     ------
@@ -82,11 +98,14 @@ def strand_templates(text: str, n: int, sequence: str, limits: Limits) -> tuple[
     """
     like, stamp = _key(text)
     if like.pair is not None:
-        return _of_length((_strand(like, stamp, limits),), n)
-    structure = _structure(like.file, stamp, limits)
-    return tuple(_same_letters(structure, n, sequence, like)) or _of_length(
-        _loops_as_strands(like, stamp, limits), n
-    )
+        return _of_length((_strand(like, stamp, limits),), len(gap))
+    same = tuple(_same_letters(_source(like.file, stamp, limits), gap.sequence))
+    if same:
+        return same
+    loops = _of_length(_loops_as_strands(like, stamp, limits), len(gap))
+    poses, is_dna = flank_poses(gap.before, gap.after), gap.kind == "DNA"
+    fitting = deformed(loops, poses, gap.context, is_dna)
+    return tuple(one.template for one in fitting if one.line.energy <= MOST_BENT)
 
 
 def check_loops(text: str, hairpins: Sequence[Hairpin], limits: Limits) -> None:
@@ -110,15 +129,15 @@ def check_loops(text: str, hairpins: Sequence[Hairpin], limits: Limits) -> None:
     _check(text, "loop", lengths, [len(hairpin) for hairpin in hairpins])
 
 
-def check_strands(text: str, sequences: Sequence[str], limits: Limits) -> None:
+def check_strands(text: str, gaps: Sequence[Gap], limits: Limits) -> None:
     """Refuse a file of which no strand fits any of those to be filled.
 
     Parameters
     ----------
     text : str
         As for the option `like`.
-    sequences : sequence of str
-        Letters of each strand with the two beside it.
+    gaps : sequence of Gap
+        What is to be like it.
     limits : Limits
         How large the file may be.
 
@@ -128,17 +147,17 @@ def check_strands(text: str, sequences: Sequence[str], limits: Limits) -> None:
         As :func:`strand_templates`, or if none has as many nucleotides, or one more or less.
     """
     like, stamp = _key(text)
-    there = (
-        _loops_as_strands(like, stamp, limits)
-        if like.pair is None
-        else (_strand(like, stamp, limits),)
-    )
-    if any(strand_templates(text, len(one) - 2, one, limits) for one in sequences):
-        return
-    _check(text, "strand", [len(one) for one in there], [len(one) - 2 for one in sequences])
+    if like.pair is None:
+        there: Sequence[Template] = _loops_as_strands(like, stamp, limits)
+    else:
+        there = (_strand(like, stamp, limits),)
+    if not any(strand_templates(text, gap, limits) for gap in gaps):
+        _check(text, "strand", [len(one) for one in there], [len(gap) for gap in gaps])
 
 
-def remark(text: str, what: str, name: str, n: int, templates: Sequence[Template]) -> str | None:
+def remarks(
+    text: str, what: str, name: str, n: int, templates: Sequence[Template]
+) -> Iterator[str]:
     """What is said of a strand that is not quite like its template.
 
     Parameters
@@ -152,20 +171,18 @@ def remark(text: str, what: str, name: str, n: int, templates: Sequence[Template
     templates : sequence of Template
         What was found for it.
 
-    Returns
-    -------
-    str or None
-        None where its template has as many nucleotides.
+    Yields
+    ------
+    str
+        Nothing where its template has as many nucleotides.
     """
     if not templates:
-        return f"{name}: {text} has no {what} for its {n} nucleotides; it is made without template"
-    first = templates[0]
-    if len(first) == first.made_from:
-        return None
-    return (
-        f"{name}: {text} has no {what} of {n} nucleotides; the line of {first.made_from} is"
-        " respaced, and no atoms come with it"
-    )
+        yield f"{name}: {text} has no {what} for its {n} nucleotides; it is made without template"
+    elif len(templates[0]) != templates[0].made_from:
+        yield (
+            f"{name}: {text} has no {what} of {n} nucleotides; the line of"
+            f" {templates[0].made_from} is respaced, and no atoms come with it"
+        )
 
 
 def _check(text: str, what: str, there: Sequence[int], here: Sequence[int]) -> None:
@@ -193,99 +210,105 @@ def _key(text: str) -> tuple[Like, tuple[int, int]]:
     return like, (state.st_mtime_ns, state.st_size)
 
 
+class _Source(NamedTuple):
+    """A structure, the positions of its first model, and what it is called."""
+
+    structure: Structure
+    positions_A: Array
+    name: str
+
+    @property
+    def where(self) -> str:
+        return self.structure.where
+
+    @property
+    def table(self) -> Nucleotides:
+        return self.structure.nucleotides
+
+
 @lru_cache(maxsize=4)
-def _structure(file: str, stamp: tuple[int, int], limits: Limits) -> Structure:
-    return read_structure(file, limits)
+def _source(file: str, stamp: tuple[int, int], limits: Limits) -> _Source:
+    structure = read_structure(file, limits)
+    return _Source(structure, structure.positions(0), safe_stem(Path(file)))
 
 
 @lru_cache(maxsize=4)
 def _loops(like: Like, stamp: tuple[int, int], limits: Limits) -> tuple[Template, ...]:
     """The loop that is named, or all that may be templates."""
-    structure = _structure(like.file, stamp, limits)
-    hairpins: Sequence[Hairpin] = find_hairpins(structure)
+    source = _source(like.file, stamp, limits)
+    hairpins: Sequence[Hairpin] = find_hairpins(source.structure)
     if not hairpins:
-        raise StructureError(f"{structure.where}: no hairpin loop; no loop can be like it")
+        raise StructureError(f"{source.where}: no hairpin loop; no loop can be like it")
     if like.pair is not None:
-        hairpins = [_named(structure, like, hairpins)]
+        hairpins = [_named(source, like, hairpins)]
     found, faults = [], []
     for hairpin in hairpins:
         try:
-            found.append(
-                hairpin_template(
-                    structure.nucleotides, hairpin, structure.positions(0), _called(like)
-                )
-            )
+            found.append(hairpin_template(source.table, hairpin, source.positions_A, source.name))
         except StructureError as error:
-            faults.append(f"{structure.where}: {error}")
+            faults.append(f"{source.where}: {error}")
     if not found:
         raise StructureError(faults[0])
     return tuple(found)
 
 
-def _named(structure: Structure, like: Like, hairpins: Sequence[Hairpin]) -> Hairpin:
-    i, j = _rows(structure, like)
+def _named(source: _Source, like: Like, hairpins: Sequence[Hairpin]) -> Hairpin:
+    i, j = _rows(source, like)
     for hairpin in hairpins:
         if (hairpin.stem_5[0], hairpin.stem_3[0]) == (i, j):
             return hairpin
     there = enumerated(
-        [pair_name(structure.nucleotides, int(h.stem_5[0]), int(h.stem_3[0])) for h in hairpins]
+        [pair_name(source.table, int(h.stem_5[0]), int(h.stem_3[0])) for h in hairpins]
     )
     raise StructureError(
-        f"{structure.where}: {like.pair} closes no hairpin loop; the pairs that do are {there}"
+        f"{source.where}: {like.pair} closes no hairpin loop; the pairs that do are {there}"
     )
 
 
 @lru_cache(maxsize=4)
 def _strand(like: Like, stamp: tuple[int, int], limits: Limits) -> Template:
     """The strand between the two nucleotides that are named."""
-    structure = _structure(like.file, stamp, limits)
-    i, j = _rows(structure, like)
+    source = _source(like.file, stamp, limits)
+    i, j = _rows(source, like)
     try:
-        return _between(structure, i, j, like)
+        return _between(source, i, j)
     except StructureError as error:
-        raise StructureError(f"{structure.where}: {error}") from None
+        raise StructureError(f"{source.where}: {error}") from None
 
 
 @lru_cache(maxsize=4)
 def _loops_as_strands(like: Like, stamp: tuple[int, int], limits: Limits) -> tuple[Template, ...]:
     """The hairpin loops of a file, their ends by the closing nucleotides alone."""
-    structure = _structure(like.file, stamp, limits)
+    source = _source(like.file, stamp, limits)
     found = []
-    for hairpin in find_hairpins(structure):
+    for hairpin in find_hairpins(source.structure):
         ends = int(hairpin.stem_5[0]), int(hairpin.stem_3[0])
         with suppress(StructureError):
-            found.append(_between(structure, *ends, like))
+            found.append(_between(source, *ends))
     return tuple(found)
 
 
-def _between(structure: Structure, i: int, j: int, like: Like) -> Template:
-    return strand_template(structure.nucleotides, i, j, structure.positions(0), _called(like))
+def _between(source: _Source, i: int, j: int) -> Template:
+    return strand_template(source.table, i, j, source.positions_A, source.name)
 
 
-def _same_letters(structure: Structure, n: int, sequence: str, like: Like) -> Iterator[Template]:
-    """Strands with the letters of a sequence, but for those beside it."""
-    letters = "".join(structure.nucleotides.letter).replace("T", "U")
-    wanted = sequence[1:-1].replace("T", "U")
+def _same_letters(source: _Source, sequence: str) -> Iterator[Template]:
+    """Strands with the letters of a sequence."""
+    letters, wanted = ("".join(x).replace("T", "U") for x in (source.table.letter, sequence))
     begin = letters.find(wanted, 1)
-    while 0 < begin < len(letters) - n:
+    while 0 < begin < len(letters) - len(wanted):
         # one that goes over an end of a chain or a break, or is not whole, is no strand
         with suppress(StructureError):
-            yield _between(structure, begin - 1, begin + n, like)
+            yield _between(source, begin - 1, begin + len(wanted))
         begin = letters.find(wanted, begin + 1)
 
 
-def _rows(structure: Structure, like: Like) -> tuple[int, int]:
+def _rows(source: _Source, like: Like) -> tuple[int, int]:
     """Rows of the nucleotides of the pair that is named."""
     assert like.pair is not None
-    table = structure.nucleotides
     try:
-        places = ends_of(table, "like", like.pair)
-        i, j = sorted(row_at(table, one, f"no loop {like.pair} is there") for one in places)
+        places = ends_of(source.table, "like", like.pair)
+        i, j = sorted(row_at(source.table, one, f"no loop {like.pair} is there") for one in places)
     except StructureError as error:
-        raise StructureError(f"{structure.where}: {error}") from None
+        raise StructureError(f"{source.where}: {error}") from None
     return i, j
-
-
-def _called(like: Like) -> str:
-    """What the structure is called in the name of a shape."""
-    return safe_stem(Path(like.file))

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record, read_only
 from loopelastica.errors import StructureError
+from loopelastica.folding.like import MOST
 from loopelastica.folding.surroundings import SURROUNDED, rods_among
 from loopelastica.folding.template import Deformed, deformed
 from loopelastica.molecule.obstacles import obstacles
@@ -165,7 +166,7 @@ def like_lines(
     Returns
     -------
     tuple of LikeLine
-        Without those that cannot be deformed so far.
+        The first few; none that cannot be deformed so far.
     """
     if not templates:
         return ()
@@ -175,7 +176,7 @@ def like_lines(
     rows = obstacles(gap, ends, atoms)
     tree = cKDTree(atoms.positions_A[rows]) if len(rows) else None
     lines = []
-    for rank, one in enumerate(found, start=1):
+    for rank, one in enumerate(found[:MOST], start=1):
         nearest_A, nearest = None, ""
         if tree is not None:
             apart, which = tree.query(one.line.sampled()[0])

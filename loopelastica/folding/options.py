@@ -157,6 +157,11 @@ class FoldOptions(LoopOptions):
     exclude_relatives: bool = option(False, flag)
     surroundings: bool = option(True, flag)
 
+    def __post_init__(self) -> None:
+        Options.__post_init__(self)
+        if self.like is not None and self.shapes == "rod":
+            raise ValueError("`like` goes without `shapes` 'rod', which takes no shape of a loop")
+
     @property
     def clamp(self) -> dict[str, Any]:
         """The fields of a clamp that are given here, not left to the rule."""
