@@ -8,7 +8,7 @@ Of a file with several models the first one counts.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Sized
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -125,8 +125,9 @@ def check_loops(text: str, hairpins: Sequence[Hairpin], limits: Limits) -> None:
     StructureError
         As :func:`loop_templates`, or if none has as many nucleotides, or one more or less.
     """
-    lengths = [len(template) for template in _loops(*_key(text), limits)]
-    _check(text, "loop", lengths, [len(hairpin) for hairpin in hairpins])
+    there = _loops(*_key(text), limits)
+    if hairpins and not any(_of_length(there, len(hairpin)) for hairpin in hairpins):
+        raise _unlike(text, "loop", there, hairpins)
 
 
 def check_strands(text: str, gaps: Sequence[Gap], limits: Limits) -> None:
@@ -151,8 +152,8 @@ def check_strands(text: str, gaps: Sequence[Gap], limits: Limits) -> None:
         there: Sequence[Template] = _loops_as_strands(like, stamp, limits)
     else:
         there = (_strand(like, stamp, limits),)
-    if not any(strand_templates(text, gap, limits) for gap in gaps):
-        _check(text, "strand", [len(one) for one in there], [len(gap) for gap in gaps])
+    if gaps and not any(strand_templates(text, gap, limits) for gap in gaps):
+        raise _unlike(text, "strand", there, gaps)
 
 
 def remarks(
@@ -185,13 +186,12 @@ def remarks(
         )
 
 
-def _check(text: str, what: str, there: Sequence[int], here: Sequence[int]) -> None:
-    if not here or any(abs(a - b) <= 1 for a in there for b in here):
-        return
-    own, other = (", ".join(map(str, sorted({*lengths}))) for lengths in (there, here))
-    raise StructureError(
-        f"{text}: its {what} has {own or 'no'} nucleotides, what is to be like it {other}; a"
-        " template has as many, or one more or less"
+def _unlike(text: str, what: str, there: Sequence[Sized], here: Sequence[Sized]) -> StructureError:
+    own, other = (", ".join(map(str, sorted({*map(len, some)}))) for some in (there, here))
+    has = f"its {what} has {own} nucleotides" if own else "it has no hairpin loop"
+    return StructureError(
+        f"{text}: {has}, what is to be like it {other}; a template has as many, or one more or"
+        " less, and fits the ends"
     )
 
 
