@@ -30,6 +30,9 @@ _PUBLIC = {
     "LoopScan": "folding.scan",
     "LoopElastica": "folding.trajectory",
     "Candidate": "folding.rank",
+    "Library": "folding.library",
+    "load_library": "folding.library_file",
+    "build_library": "batch.shapes",
     "build_atoms": "atoms.model",
     "AtomModel": "atoms.model",
     "fill": "filling.fill",
@@ -46,6 +49,7 @@ __all__ = ["__version__", *_PUBLIC]
 if TYPE_CHECKING:
     from loopelastica.atoms.model import AtomModel as AtomModel
     from loopelastica.atoms.model import build_atoms as build_atoms
+    from loopelastica.batch.shapes import build_library as build_library
     from loopelastica.errors import LoopelasticaError as LoopelasticaError
     from loopelastica.errors import MissingDependencyError as MissingDependencyError
     from loopelastica.errors import StructureError as StructureError
@@ -53,6 +57,8 @@ if TYPE_CHECKING:
     from loopelastica.filling.result import FilledStrand as FilledStrand
     from loopelastica.filling.result import Filling as Filling
     from loopelastica.folding.fold import fold as fold
+    from loopelastica.folding.library import Library as Library
+    from loopelastica.folding.library_file import load_library as load_library
     from loopelastica.folding.rank import Candidate as Candidate
     from loopelastica.folding.result import LoopFold as LoopFold
     from loopelastica.folding.scan import LoopScan as LoopScan

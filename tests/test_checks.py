@@ -9,8 +9,10 @@ import pytest
 from loopelastica._checks import (
     array,
     between,
+    file_name,
     flag,
     numbers,
+    one_of,
     optional,
     positive,
     shown,
@@ -36,7 +38,7 @@ def test_what_is_no_number_in_range_is_refused_in_one_line(check, value):
     assert len(str(caught.value)) < 200
 
 
-@pytest.mark.parametrize("check", [text, texts, flag])
+@pytest.mark.parametrize("check", [text, texts, flag, file_name, one_of("a", "b")])
 @pytest.mark.parametrize("value", [None, 1.5, np.arange(100.0), 10**400], ids=str)
 def test_other_kinds_are_refused_in_one_line_too(check, value):
     with pytest.raises(ValueError, match="`argument`") as caught:
@@ -89,3 +91,17 @@ def test_values_are_shown_in_one_line():
 def test_what_cannot_be_shown_is_refused_all_the_same():
     with pytest.raises(ValueError, match="`some`"):
         positive("some", Unspeakable())
+
+
+def test_one_of_some_texts_is_itself_and_any_other_names_them():
+    assert one_of("default", "energy")("rank", "energy") == "energy"
+    with pytest.raises(ValueError, match=r"^`rank` is 'Energy'; it must be 'default' or 'energy'$"):
+        one_of("default", "energy")("rank", "Energy")
+
+
+def test_the_name_of_a_file_is_a_path_or_a_text(tmp_path):
+    assert file_name("like", tmp_path / "a b.pdb") == str(tmp_path / "a b.pdb")
+    assert file_name("like", "a.pdb:A.4-A.9") == "a.pdb:A.4-A.9"
+    for nothing in ("", " ", "a\0b"):
+        with pytest.raises(ValueError, match=r"^`like` is .*; it must be the name of a file$"):
+            file_name("like", nothing)

@@ -10,6 +10,7 @@ from loopelastica.cli.build import build
 from loopelastica.cli.evaluate import evaluate
 from loopelastica.cli.fill import fill
 from loopelastica.cli.fold import fold
+from loopelastica.cli.library import library
 from loopelastica.cli.program import EPILOG, Command, Program
 from loopelastica.cli.rod import solve, warm
 from loopelastica.cli.structure import hairpins, scan
@@ -26,6 +27,7 @@ app = typer.Typer(
 )
 for command in (fold, fill, build, evaluate, scan, hairpins, solve, warm):
     app.command(cls=Command)(command)
+app.add_typer(library, name="library")
 app.add_typer(bench, name="bench")
 
 

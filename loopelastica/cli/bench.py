@@ -65,8 +65,8 @@ def bench_atoms(
     ] = None,
 ) -> None:
     """Build the first candidate's atoms for every simple loop of a folder; judge the models."""
+    from loopelastica.batch.sources import structure_files
     from loopelastica.studies.bench.atoms import run
-    from loopelastica.studies.sources import structure_files
 
     with o.usage():
         structure_files(folder)  # before a folder is made
@@ -89,7 +89,7 @@ def bench_strands(
     ] = False,
 ) -> None:
     """Take strands out of structures, fill them again, and compare with simpler curves."""
-    from loopelastica.studies.sources import structure_files
+    from loopelastica.batch.sources import structure_files
     from loopelastica.studies.strands.deletion import run
 
     with o.usage():

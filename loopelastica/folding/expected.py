@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, read_only
 from loopelastica.folding.line import LikeLine, StrandLine
+from loopelastica.folding.motifs import typical_spread_A
 
 SHIFT_A: Final = 0.05
 CLASSES: Final = ((1, "1"), (2, "2"), (4, "3-4"), (9, "5-9"), (math.inf, "10-12"))
@@ -52,24 +53,6 @@ def length_class(n: int) -> str:
     ('1', '3-4', '10-12')
     """
     return next(name for most, name in CLASSES if n <= most)
-
-
-LIKE: Final = ((0.5, 1.7, 3.8), (1.1, 3.6, 8.8))
-"""10, 50 and 90 % of the error of a template, Å: all letters the same, and none."""
-
-
-def expected_like(n: int, identity: float) -> Array:
-    """10, 50 and 90 % of the error of a strand that a template was deformed onto, (3,), Å.
-
-    Parameters
-    ----------
-    n : int
-        Nucleotides of the strand.
-    identity : float
-        Share of its letters that are the template's, 0 to 1.
-    """
-    same, other = np.log(LIKE)
-    return read_only(np.exp(identity * same + (1.0 - identity) * other))
 
 
 def signs(line: StrandLine, crowding: float) -> Array:
@@ -105,7 +88,8 @@ def expected_rmsd(line: StrandLine | LikeLine, crowding: float) -> Array:
     (3,) array
     """
     if isinstance(line, LikeLine):
-        return expected_like(len(line.deformed.template), line.deformed.identity)
+        n = len(line.deformed.template)
+        return line.deformed.errors.at(typical_spread_A(n), n)
     coefficients, quantiles = TABLE[length_class(line.ends.n)]
     middle = float(np.dot(coefficients, signs(line, crowding)))
     return read_only([max(math.exp(middle + q) - SHIFT_A, 0.0) for q in quantiles])

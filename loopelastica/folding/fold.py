@@ -13,26 +13,18 @@ from typing import Any
 from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.folding.clamping import clamped_ends, clamping_of
-from loopelastica.folding.hypotheses import (
-    Hypothesis,
-    hypotheses,
-    straight_rods,
-    surrounded_rod,
-)
+from loopelastica.folding.hypotheses import Scene, hypotheses, scene_of
 from loopelastica.folding.like import check_loops, loop_templates, remarks
-from loopelastica.folding.lines import POINTS_PER_NUCLEOTIDE
 from loopelastica.folding.options import FoldOptions, keywords
 from loopelastica.folding.rank import rank
 from loopelastica.folding.result import LoopFold, with_models
 from loopelastica.molecule.contacts import stem_atoms
 from loopelastica.molecule.ends import StemEnds, fit_stem
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
-from loopelastica.molecule.neighbours import Neighbours, neighbours
 from loopelastica.molecule.nucleotides import Nucleotides, Structure, read_structure
 from loopelastica.molecule.trace import native_backbone
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibria import Equilibria, equilibria
-from loopelastica.rod.equilibrium import Equilibrium
 
 
 @keywords(FoldOptions)
@@ -95,19 +87,13 @@ def fold_hairpins(
     if options.like is not None:
         check_loops(options.like, hairpins, options.limits)
     folds: list[list[LoopFold]] = [[] for _ in hairpins]
-    others = others_of(structure, options) if hairpins else None
+    scene = scene_of(structure, options) if hairpins else Scene()
     for positions in structure.models():
         for hairpin, models in zip(hairpins, folds, strict=True):
-            models.append(fold_model(structure.nucleotides, hairpin, positions, options, others))
+            models.append(fold_model(structure.nucleotides, hairpin, positions, options, scene))
         if not options.all_models:
             break
     return [with_models(models) for models in folds]
-
-
-def others_of(structure: Structure, options: FoldOptions) -> Neighbours | None:
-    """The atoms that a loop may run into; None where the options do not ask for them."""
-    wanted = options.surroundings and options.shapes == "all"
-    return neighbours(structure) if wanted else None
 
 
 def fold_model(
@@ -115,7 +101,7 @@ def fold_model(
     hairpin: Hairpin,
     positions: Array,
     options: FoldOptions,
-    others: Neighbours | None = None,
+    scene: Scene | None = None,
 ) -> LoopFold:
     """Fold one hairpin in one model.
 
@@ -129,8 +115,8 @@ def fold_model(
         All atoms of the model, Å.
     options : FoldOptions
         As for :func:`fold`.
-    others : Neighbours, optional
-        Atoms that it may run into; by default it is folded without surroundings.
+    scene : Scene, optional
+        What the structure has beside the loop; by default it is folded as a rod by the rule.
 
     Returns
     -------
@@ -142,11 +128,7 @@ def fold_model(
         ends = clamped_ends(stem, options)
         clamping = clamping_of(ends, options.free_spin)
         rods = _rods(hairpin, clamping, options)
-        answers = straight_rods(hairpin, rods, ends)
-        if options.shapes == "all":
-            answers += hypotheses(hairpin, stem.closing(), options)
-        if others is not None:
-            answers += _in_surroundings(hairpin, ends, rods[0], positions, others)
+        answers = hypotheses(hairpin, stem, ends, rods, positions, options, scene or Scene())
     except StructureError as error:
         return LoopFold(hairpin, (), options, failure=str(error))
     backbone_A = native_backbone(nucleotides, hairpin, positions)
@@ -173,14 +155,6 @@ def _rods(hairpin: Hairpin, clamping: Clamping, options: FoldOptions) -> Equilib
             f" {rods.starts} starts; the loop is not folded"
         )
     return rods
-
-
-def _in_surroundings(
-    hairpin: Hairpin, ends: StemEnds, free: Equilibrium, positions: Array, others: Neighbours
-) -> tuple[Hypothesis, ...]:
-    line_A = ends.to_file(free.centerline(POINTS_PER_NUCLEOTIDE * ends.n_free + 1))
-    atoms_A = others.around(hairpin, ends, line_A, positions)
-    return () if atoms_A is None else surrounded_rod(hairpin, ends, free, atoms_A)
 
 
 def _remarks(

@@ -1,7 +1,9 @@
 """What a loop may look like: each answer a line with its shape, its place and its expected error.
 
-An answer is a chain that remembers a motif, a template or a shape of a library, or a rod. The other
-equilibria of one clamp differ from the first in their turns, not in what they assume; they come
+Templates that a user names come first, then answers that differ in what they assume
+(:meth:`.known.Known.answers`): loops of the same
+sequence, motif or length, the rod by the rule, the rod in its surroundings, single loops of the
+library. The other equilibria of one clamp differ from the first in their turns alone; they are
 last.
 """
 
@@ -11,28 +13,28 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from loopelastica._arrays import Array, Record, read_only
-from loopelastica.folding.expected import expected_like
+from loopelastica._arrays import Array, Record
+from loopelastica.folding.known import Answer, Known, known_shapes, library_at, usable_shapes
+from loopelastica.folding.library import Library
 from loopelastica.folding.like import MOST, loop_templates
-from loopelastica.folding.lines import CandidateLine, RodLine
+from loopelastica.folding.lines import CandidateLine, RodLine, chain_lines
+from loopelastica.folding.motifs import Motif, errors_of, motif_of, of_length, typical_spread_A
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.surroundings import SURROUNDED, rods_among
-from loopelastica.folding.template import deformed
-from loopelastica.molecule.clamp_rule import expected_rmsd_A
-from loopelastica.molecule.ends import ClosingPoses, StemEnds
+from loopelastica.folding.template import Deformed, deformed
+from loopelastica.molecule.ends import ClosingPoses, FittedStem, StemEnds
 from loopelastica.molecule.hairpins import Hairpin
+from loopelastica.molecule.identity import entries_of
+from loopelastica.molecule.neighbours import Neighbours, neighbours
+from loopelastica.molecule.nucleotides import Structure
 from loopelastica.molecule.polymer import Monomer
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.rod.equilibrium import Equilibrium
 
-LIKE_PLACE: Final = 0
-"""Place of the templates that a user gives: before all else."""
-SURROUNDED_PLACE: Final = 100
-"""Place of the rod in its surroundings: after the shapes, which have those from 0 on."""
 SAME_A: Final = 0.25
 """A rod that its surroundings move by less is no answer of its own."""
-ROD_PLACE: Final = 200
-"""Place of the rods by the rule, which their energies order."""
+STRAIGHT: Final = "straight rod"
+_POINTS: Final = 10
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -44,7 +46,7 @@ class Hypothesis(Record):
     line : RodLine or ChainLine
         Between the ends of the stem.
     shape : str
-        What it is, such as "motif GNRA" or "straight rod".
+        What it is, such as "motif GNRA, 134 loops" or "straight rod".
     expected_rmsd_A : (3,) array
         10, 50 and 90 % of its error, Å.
     place : int
@@ -64,67 +66,126 @@ class Hypothesis(Record):
         return f"<Hypothesis {self.place}: {self.shape}>"
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene(Record):
+    """What all loops of a structure share, as far as the options ask for it.
+
+    Attributes
+    ----------
+    others : Neighbours or None
+        Atoms that a loop may run into.
+    library : Library or None
+        Shapes of loops.
+    entries : tuple of str
+        Entries of the databank that the structure may be; their shapes are not used.
+    """
+
+    others: Neighbours | None = None
+    library: Library | None = None
+    entries: tuple[str, ...] = ()
+
+
+def scene_of(structure: Structure, options: FoldOptions) -> Scene:
+    """What the options ask for beside the loop itself.
+
+    Parameters
+    ----------
+    structure : Structure
+        What was read.
+    options : FoldOptions
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    LoopelasticaError
+        If the library cannot be read.
+    """
+    if options.shapes == "rod":
+        return Scene()
+    return Scene(
+        neighbours(structure) if options.surroundings else None,
+        library_at(options.library),
+        entries_of(structure),
+    )
+
+
 def hypotheses(
-    hairpin: Hairpin, poses: ClosingPoses, options: FoldOptions
+    hairpin: Hairpin,
+    stem: FittedStem,
+    ends: StemEnds,
+    rods: Sequence[Equilibrium],
+    positions: Array,
+    options: FoldOptions,
+    scene: Scene,
 ) -> tuple[Hypothesis, ...]:
-    """The shapes that a loop may have taken over, deformed onto its stem.
+    """All answers for a loop.
 
     Parameters
     ----------
     hairpin : Hairpin
         Which loop; of its nucleotides only the sequence counts.
-    poses : ClosingPoses
-        Where the ideal strands have the closing nucleotides.
+    stem : FittedStem
+        Ideal strands on its stem.
+    ends : StemEnds
+        Ends of the rods.
+    rods : sequence of Equilibrium
+        Between them, least energy first.
+    positions : (n_atoms, 3) array
+        All atoms of the model, Å.
     options : FoldOptions
         Those of :func:`loopelastica.fold`.
+    scene : Scene
+        What the structure has beside the loop.
 
     Returns
     -------
     tuple of Hypothesis
-        In the default order; none where nothing is known of such a loop.
+        In the default order.
     """
-    return () if options.like is None else like_templates(hairpin, poses, options)
-
-
-def like_templates(
-    hairpin: Hairpin, poses: ClosingPoses, options: FoldOptions
-) -> tuple[Hypothesis, ...]:
-    """The loops of another structure, of equal length or respaced, deformed onto a stem.
-
-    Parameters
-    ----------
-    hairpin, poses, options
-        As for :func:`hypotheses`; `options.like` is not None.
-
-    Returns
-    -------
-    tuple of Hypothesis
-        The most similar ones first; none where no loop of that file fits.
-
-    Raises
-    ------
-    StructureError
-        If the file cannot be read, or has no such loop, or none that is whole on a regular stem.
-    """
-    assert options.like is not None
-    templates = loop_templates(options.like, len(hairpin), options.limits)
-    found = deformed(templates, poses, hairpin.sequence, hairpin.is_dna)
-    return tuple(
+    straight = [RodLine(rod, ends) for rod in rods]
+    poses = stem.closing()
+    atoms_A = _in_the_way(hairpin, straight[0], positions, scene)
+    bent = [] if atoms_A is None else _surrounded(straight[0], atoms_A)
+    known = _known(hairpin, poses, options, scene, atoms_A)
+    lines = [*straight, *bent]
+    answers = (
+        _tabled(hairpin, poses, options, straight, bent)
+        if known is None
+        else known.answers([x.trace for x in straight], [x.trace for x in bent])
+    )
+    found = [
         Hypothesis(
             one.line,
             one.shape,
-            expected_like(len(hairpin), one.identity),
-            LIKE_PLACE + k,
+            one.errors.at(_spread_A(known, one.line.trace, len(hairpin)), len(hairpin)),
+            place,
             one.carried,
         )
-        for k, one in enumerate(found[:MOST])
-    )
+        for place, one in enumerate(_like(hairpin, poses, options))
+    ]
+    for place, answer in enumerate(answers, start=len(found)):
+        line = lines[answer.rod] if answer.line is None else answer.line
+        spread_A = _spread_A(known, answer.trace_A, len(hairpin))
+        expected = errors_of(answer.kind).at(spread_A, len(hairpin))
+        found.append(Hypothesis(line, _called(answer), expected, place))
+    return tuple(found)
+
+
+def _like(hairpin: Hairpin, poses: ClosingPoses, options: FoldOptions) -> list[Deformed]:
+    """The loops of the structure that a user names, before all else."""
+    if options.like is None:
+        return []
+    templates = loop_templates(options.like, len(hairpin), options.limits)
+    return deformed(templates, poses, hairpin.sequence, hairpin.is_dna)[:MOST]
 
 
 def straight_rods(
-    hairpin: Hairpin, rods: Sequence[Equilibrium], ends: StemEnds, is_rule: bool = True
+    hairpin: Hairpin, rods: Sequence[Equilibrium], ends: StemEnds
 ) -> tuple[Hypothesis, ...]:
-    """The equilibria of one clamp.
+    """The equilibria of one clamp, where nothing else is asked for.
 
     Parameters
     ----------
@@ -134,63 +195,83 @@ def straight_rods(
         Lowest energy first.
     ends : StemEnds
         Where they are clamped.
-    is_rule : bool
-        Whether that is the clamp of the rule.
 
     Returns
     -------
     tuple of Hypothesis
     """
+    n = len(hairpin)
+    expected = [errors_of(kind).at(typical_spread_A(n), n) for kind in ("rod", "further rod")]
     return tuple(
-        Hypothesis(
-            RodLine(rod, ends),
-            "straight rod",
-            rods_expected(hairpin, is_rule and k == 0),
-            ROD_PLACE,
-        )
-        for k, rod in enumerate(rods)
+        Hypothesis(RodLine(rod, ends), STRAIGHT, expected[k > 0], k) for k, rod in enumerate(rods)
     )
 
 
-def surrounded_rod(
-    hairpin: Hairpin, ends: StemEnds, free: Equilibrium, atoms_A: Array
-) -> tuple[Hypothesis, ...]:
-    """The rod of least energy among atoms; none where it is the straight rod.
+def _called(answer: Answer) -> str:
+    """What an answer is to its reader."""
+    if answer.line is None:
+        return SURROUNDED if answer.kind == SURROUNDED else STRAIGHT
+    shape = answer.line.shape
+    single = answer.kind == "library"
+    return f"library {shape.source} ({shape.sequence[1:-1]})" if single else shape.source
 
-    Parameters
-    ----------
-    hairpin : Hairpin
-        Which loop.
-    ends : StemEnds
-        Where it is clamped.
-    free : Equilibrium
-        The straight rod of least energy.
-    atoms_A : (m, 3) array
-        What is in its way, Å.
 
-    Returns
-    -------
-    tuple of Hypothesis
-        One or none.
-    """
-    straight = RodLine(free, ends)
+def _known(
+    hairpin: Hairpin,
+    poses: ClosingPoses,
+    options: FoldOptions,
+    scene: Scene,
+    atoms_A: Array | None,
+) -> Known | None:
+    if scene.library is None:
+        return None
+    table = usable_shapes(scene.library, hairpin, scene.entries, options.exclude_relatives)
+    return known_shapes(hairpin, poses, table, atoms_A)
+
+
+def _tabled(
+    hairpin: Hairpin,
+    poses: ClosingPoses,
+    options: FoldOptions,
+    straight: Sequence[RodLine],
+    bent: Sequence[RodLine],
+) -> list[Answer]:
+    """Answers without a library: the mean of the motif or the length, then the rods."""
+    rods = [
+        *(Answer("rod" if k == 0 else "further rod", x.trace, rod=k)
+          for k, x in enumerate(straight)),
+        *(Answer(SURROUNDED, x.trace, rod=len(straight) + k) for k, x in enumerate(bent)),
+    ]  # fmt: skip
+    # whether its loops are relatives of this one nobody can say of a mean
+    if options.shapes == "rod" or options.exclude_relatives:
+        return rods
+    motif = None if hairpin.is_dna else motif_of(hairpin.sequence)
+    kind = "mean" if motif is None else f"motif {motif.name}"
+    mean: Motif | None = motif or of_length(len(hairpin), hairpin.is_dna)
+    (line,) = (None,) if mean is None else chain_lines([mean.shape], poses, hairpin.is_dna)
+    if line is None:
+        return rods
+    answer = Answer(kind, line.trace, line)
+    return [rods[0], answer, *rods[1:]] if hairpin.is_dna else [answer, *rods]
+
+
+def _spread_A(known: Known | None, trace_A: Array, n: int) -> float:
+    return typical_spread_A(n) if known is None else known.spread_A(trace_A)
+
+
+def _in_the_way(hairpin: Hairpin, free: RodLine, positions: Array, scene: Scene) -> Array | None:
+    """What the line of a loop may run into; None where nothing but its own hairpin is near."""
+    if scene.others is None:
+        return None
+    line_A = free.points(_POINTS * free.ends.n_free + 1)
+    return scene.others.around(hairpin, free.ends, line_A, positions)
+
+
+def _surrounded(straight: RodLine, atoms_A: Array) -> list[RodLine]:
+    """The rod of least energy among atoms; none where it is the straight rod."""
+    ends = straight.ends
     (rod, *_) = rods_among(ends, atoms_A, straight.points(16 * ends.n_free + 1))
     line = RodLine(rod, ends)
     if not rod.converged or rmsd_A(line.trace, straight.trace) < SAME_A:
-        return ()
-    return (Hypothesis(line, SURROUNDED, rods_expected(hairpin, True), SURROUNDED_PLACE),)
-
-
-def rods_expected(hairpin: Hairpin, is_rule: bool) -> Array:
-    """10, 50 and 90 % of the error to expect of a rod, (3,), Å.
-
-    Parameters
-    ----------
-    hairpin : Hairpin
-        Which loop.
-    is_rule : bool
-        Whether it is the rod of least energy in the clamp of the rule.
-    """
-    median, most = expected_rmsd_A(len(hairpin))
-    expected = [0.6 * median, median, most]
-    return read_only(expected if is_rule else [1.5 * value for value in expected])
+        return []
+    return [line]

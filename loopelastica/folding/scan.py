@@ -157,7 +157,7 @@ def scan_loop(
     for ends in _feasible(stem, plain, options):
         clamping = clamping_of(ends, options.free_spin)
         rods = equilibria(clamping, options.torsion_ratio, rounds=1)
-        answers = straight_rods(hairpin, rods, ends, ends.clamp == rule)
+        answers = straight_rods(hairpin, rods, ends)
         candidates = rank(answers, options.persistence_length_A, atoms, backbone_A)
         found += [(candidate, ends) for candidate in candidates]
     spread_A = _spread_A([c.trace for c, ends in found if c.rank == 1 and _near(ends)])

@@ -9,18 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from loopelastica._arrays import Record
+from loopelastica.folding.choice import sequence_distance
 from loopelastica.folding.lines import ChainLine, chain_lines
+from loopelastica.folding.motifs import Errors, errors_of, motif_of
+from loopelastica.folding.shape_table import letters_of
 from loopelastica.molecule.ends import ClosingPoses
 from loopelastica.molecule.polymer import Monomer
 from loopelastica.molecule.templates import Template
-
-PURINES: Final = "AG"
-# weights of a letter that differs: closing pair, first and last of the loop, others; and of one
-# that is of the same kind still
-_CLOSING, _OUTER, _INNER, _SAME_KIND = 0.25, 1.5, 1.0, 0.6
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -32,13 +32,13 @@ class Deformed(Record):
     template : Template
     line : ChainLine
         In the coordinates of these ends.
-    identity : float
-        Share of the strand's letters that are the template's; 0 where the numbers differ.
+    alike : bool
+        Whether it has the letters of the strand, or the motif that these have.
     """
 
     template: Template
     line: ChainLine
-    identity: float
+    alike: bool
 
     @property
     def shape(self) -> str:
@@ -49,6 +49,11 @@ class Deformed(Record):
     def carried(self) -> tuple[Monomer, ...]:
         """The template's nucleotides where the line takes them; empty for a respaced one."""
         return self.template.carried(self.line.nodes_A, self.line.rotations, self.line.poses)
+
+    @property
+    def errors(self) -> Errors:
+        """How far such a line is off: as one over the same sequence, or as any of a library."""
+        return errors_of("same sequence" if self.alike else "library")
 
     def __repr__(self) -> str:
         return f"<Deformed {self.shape}: energy {self.line.energy:.3g}>"
@@ -77,32 +82,25 @@ def deformed(
     """
     lines = chain_lines([template.shape for template in templates], poses, is_dna)
     found = [
-        Deformed(template, line, _identity(template, sequence))
+        Deformed(template, line, _alike(template, sequence))
         for template, line in zip(templates, lines, strict=True)
         if line is not None
     ]
-    found.sort(key=lambda one: (difference(one.template.shape.sequence, sequence), one.line.energy))
+    own = letters_of(sequence)
+    found.sort(key=lambda one: (_distance(one.template, own), one.line.energy))
     return found
 
 
-def difference(a: str, b: str) -> float:
-    """How different two sequences are, closing nucleotides included; those of other lengths alike.
-
-    >>> difference("CGAAAG", "CGAAAG"), difference("CGCAAG", "CGAAAG"), difference("C", "CG")
-    (0.0, 1.0, 0.0)
-    """
-    if len(a) != len(b):
-        return 0.0
-    n, total = len(a), 0.0
-    for k, (x, y) in enumerate(zip(a.replace("T", "U"), b.replace("T", "U"), strict=True)):
-        weight = _CLOSING if k in (0, n - 1) else _OUTER if k in (1, n - 2) else _INNER
-        kept = (x in PURINES) == (y in PURINES)
-        total += 0.0 if x == y else weight * (_SAME_KIND if kept else 1.0)
-    return total
+def _distance(template: Template, own: NDArray[np.uint8]) -> float:
+    """Of the sequences; those of another length are all alike."""
+    letters = letters_of(template.shape.sequence)
+    return float(sequence_distance(letters[None], own)[0]) if len(letters) == len(own) else 0.0
 
 
-def _identity(template: Template, sequence: str) -> float:
-    own, other = template.shape.sequence[1:-1], sequence[1:-1].replace("T", "U")
-    if len(own) != len(other):
-        return 0.0
-    return sum(a == b for a, b in zip(own, other, strict=True)) / len(own)
+def _alike(template: Template, sequence: str) -> bool:
+    letters, own = letters_of(template.shape.sequence), letters_of(sequence)
+    if len(letters) != len(own):
+        return False
+    motif = motif_of(sequence)
+    same_motif = motif is not None and bool(motif.matches(letters[None])[0])
+    return same_motif or bool((letters[1:-1] == own[1:-1]).all())

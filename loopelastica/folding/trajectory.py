@@ -16,7 +16,8 @@ from MDAnalysis.analysis.base import AnalysisBase
 from MDAnalysis.analysis.results import ResultsGroup
 
 from loopelastica._arrays import Array
-from loopelastica.folding.fold import fold_model, others_of
+from loopelastica.folding.fold import fold_model
+from loopelastica.folding.hypotheses import scene_of
 from loopelastica.folding.options import FoldOptions, show_options
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
@@ -93,7 +94,7 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
         self._options = FoldOptions(**options, max_candidates=1)
         structure = read_structure(atoms)
         self._nucleotides = structure.nucleotides
-        self._others = others_of(structure, self._options)
+        self._scene = scene_of(structure, self._options)
         self._all_atoms = atoms.universe.atoms
         self.hairpins = find_hairpins(structure, **self._options.selection)
         super().__init__(atoms.universe.trajectory)
@@ -109,7 +110,7 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
         positions = np.array(self._all_atoms.positions, dtype=np.float64)
         energies, rmsds, touching, traces = [], [], [], []
         for hairpin in self.hairpins:
-            fold = fold_model(self._nucleotides, hairpin, positions, self._options, self._others)
+            fold = fold_model(self._nucleotides, hairpin, positions, self._options, self._scene)
             if fold.failure:
                 self.results.failures.append((int(self._ts.frame), fold.failure))
             first = fold.candidates[0] if fold.candidates else None

@@ -153,6 +153,11 @@ class ClosingPoses(Record):
         """The end frame in the frame of the start (3, 3)."""
         return self.start_frame.T @ self.end_frame
 
+    @property
+    def local(self) -> ClosingPoses:
+        """The same in the frame of the start."""
+        return ClosingPoses(np.zeros(3), np.eye(3), self.position_A, self.rotation)
+
     def to_file(self, points_A: Array) -> Array:
         """Points (..., 3) in the frame of the start, Å → coordinates of the file."""
         return np.asarray(self.start_origin_A + np.asarray(points_A) @ self.start_frame.T)

@@ -10,6 +10,7 @@ from rich.table import Table
 from loopelastica._names import printable
 
 if TYPE_CHECKING:
+    from loopelastica.folding.library import Library
     from loopelastica.folding.result import LoopFold
     from loopelastica.folding.scan import LoopScan
     from loopelastica.rod.equilibria import Equilibria
@@ -200,6 +201,28 @@ def hairpins_table(found: "list[dict[str, Any]]") -> Table:
             fit if hairpin["regular"] else f"{fit}, irregular",
             ", ".join("–".join(pair) for pair in hairpin["contacts"]),
             ", ".join(hairpin["kissing"]),
+        )
+    return table
+
+
+def library_table(library: "Library") -> Table:
+    """What a library holds, a row per kind and length."""
+    import numpy as np
+
+    table = Table(title=f"{len(library)} loop shapes", title_justify="left")
+    for name in ("kind", "nucleotides", "loops", "sequences", "entries", "most frequent"):
+        table.add_column(name, justify="left" if name in ("kind", "most frequent") else "right")
+    for kind, shapes in library.tables():
+        first = int(np.argmax(shapes.copies))
+        _add_row(
+            table,
+            "DNA" if kind.is_dna else "RNA",
+            str(kind.nucleotides),
+            str(len(shapes)),
+            # each sequence is counted once over its copies
+            str(round((1.0 / shapes.copies).sum())),
+            str(len(np.unique(shapes.entries))),
+            f"{shapes.sequence(first)[1:-1]} ({shapes.copies[first]})",
         )
     return table
 

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 import loopelastica as le
-from loopelastica.atoms.carry import Line, own_phase
+from loopelastica.atoms.carry import Line, curve_on, helix_twist, own_phase
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.turn import place
+from loopelastica.folding.lines import chain_lines
 from loopelastica.molecule.clamp_rule import StemClamp
-from loopelastica.molecule.ends import StemEnds
+from loopelastica.molecule.ends import ClosingPoses, StemEnds
+from loopelastica.molecule.shapes import LoopShape
 from loopelastica.molecule.strands import ideal_strand, line_frame, line_length_A
 
 
@@ -84,3 +86,66 @@ def test_of_all_spins_that_meet_the_stem_the_one_nearest_to_the_helix_is_taken(f
     assert turned / 360 == pytest.approx(round(turned / 360), abs=1e-6)
     # four nucleotides of 15.7° each; the rod itself is free to turn and has no twist
     assert abs(np.rad2deg(line.spin) - 4 * 15.7) <= 180.5
+
+
+@pytest.fixture(scope="module")
+def chain(chains):
+    return chains.candidates[0].line
+
+
+def test_the_directors_of_a_chain_meet_the_closing_nucleotides(chain):
+    curve = curve_on(chain, ideal_strand(False))
+    points, frames = curve.at([0.0, 5.0])
+    np.testing.assert_allclose(points, [np.zeros(3), chain.poses.position_A], atol=1e-8)
+    np.testing.assert_allclose(frames, [np.eye(3), chain.poses.rotation], atol=1e-8)
+    assert abs(curve.spin - 5 * helix_twist(ideal_strand(False))) <= np.pi + 1e-3
+
+
+def test_frames_along_a_chain_are_frames_and_change_steadily(chain):
+    phases = np.linspace(-1.0, 6.0, 1401)
+    points, frames = curve_on(chain, ideal_strand(False)).at(phases)
+    np.testing.assert_allclose(frames.swapaxes(1, 2) @ frames, np.tile(np.eye(3), (1401, 1, 1)),
+                               atol=1e-9)  # fmt: skip
+    np.testing.assert_allclose(np.linalg.det(frames), 1.0)
+    steps = np.diff(points, axis=0)
+    steps /= np.linalg.norm(steps, axis=1, keepdims=True)
+    np.testing.assert_allclose(steps, 0.5 * (frames[1:] + frames[:-1])[:, :, 2], atol=0.02)
+    assert np.abs(np.diff(frames, axis=0)).max() < 0.05
+
+
+def test_beyond_a_chain_the_strands_of_the_stem_go_on(chain):
+    strand = ideal_strand(False)
+    points, frames = curve_on(chain, strand).at([-1.0, 6.0])
+    at_0, of_0 = line_frame(strand, 0.0)
+    for k, step, origin, frame in (
+        (0, -1.0, np.zeros(3), np.eye(3)),
+        (1, 1.0, chain.poses.position_A, chain.poses.rotation),
+    ):
+        at, of = line_frame(strand, step)
+        np.testing.assert_allclose(points[k], origin + frame @ of_0.T @ (at - at_0), atol=1e-8)
+        np.testing.assert_allclose(frames[k], frame @ of_0.T @ of, atol=1e-8)
+
+
+@pytest.mark.parametrize("is_dna", [False, True])
+def test_a_chain_that_is_the_helix_carries_the_fibre_coordinates(is_dna):
+    strand, n = ideal_strand(is_dna), 4
+    poses = [line_frame(strand, phase) for phase in range(n + 2)]
+    origin, frame = poses[0]
+    nodes = (np.array([point for point, _ in poses]) - origin) @ frame
+    shape = LoopShape("", is_dna, np.diff(nodes, axis=0), frame.T @ poses[-1][1], "helix")
+    ends = ClosingPoses(*poses[0], *poses[-1])
+    (line,) = chain_lines([shape], ends, is_dna)
+    curve = curve_on(line, strand)
+    for k in range(1, n + 1):
+        for name, position in place("G", is_dna, curve, k, 0.0, 0.0).items():
+            expected = screw(strand, fibre_nucleotide("G", is_dna)[name], k)
+            # a cubic spline is not quite a helix
+            np.testing.assert_allclose(origin + frame @ position, expected, atol=0.05)
+
+
+def test_a_rod_is_carried_on_as_before(fold):
+    line = fold.candidates[0].line
+    by_line = curve_on(line, ideal_strand(False)).at([1.0, 2.5])
+    by_rod = Line.between(line.rod, fold.ends, ideal_strand(False)).at([1.0, 2.5])
+    for one, other in zip(by_line, by_rod, strict=True):
+        np.testing.assert_array_equal(one, other)

@@ -147,3 +147,24 @@ def test_positions_of_no_structure_are_refused(koc, fold):
         build_atoms(koc, fold, positions=np.zeros_like(koc.positions(0)))
     with pytest.raises(ValueError, match="`fold`"):
         build_atoms(koc, 1.0)
+
+
+def test_chains_and_rods_get_sound_atoms_alike(koc, chains):
+    models = build_atoms(koc, chains, max_candidates=3)
+    assert chains.candidates[0].rod is None
+    assert chains.candidates[2].rod is not None
+    for candidate, model in zip(chains.candidates, models, strict=False):
+        assert model.rank == candidate.rank
+        assert model.checks.sound, (candidate, model.checks.wrong)
+        assert model.rmsd_A <= candidate.rmsd_A + 1.0
+    # what is around is seen from where each line begins
+    stem = models[0].molecule.index(-1, "O3'")
+    np.testing.assert_array_equal(models[0].positions_A[stem], models[2].positions_A[stem])
+
+
+def test_a_rigid_motion_moves_the_atoms_on_a_chain_along(koc, chains, of_chains, monkeypatch):
+    monkeypatch.setattr("loopelastica.folding.fold.hypotheses", of_chains)
+    turn, shift = Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix(), np.array([12.0, -3.0, 40.0])
+    here = build_atoms(koc, chains, max_candidates=1)[0]
+    there = again(koc, chains, koc.positions(0) @ turn.T + shift)
+    np.testing.assert_allclose(here.positions_A @ turn.T + shift, there.positions_A, atol=1e-4)

@@ -94,7 +94,8 @@ def test_traces_are_read_back_with_chain_numbers_and_expected_errors(folded):
 def test_the_dense_line_ends_at_the_stem_and_has_unit_tangents(folded):
     content = json.loads((folded[0] / "ranking.json").read_text())
     table = np.genfromtxt(folded[0] / "line.csv", delimiter=",", names=True)
-    first = table[table["rank"] == 1]
+    ranks = [c["rank"] for c in content["candidates"] if c["shape"] == "straight rod"]
+    first = table[table["rank"] == ranks[0]]
     points = np.stack([first["x_A"], first["y_A"], first["z_A"]], axis=1)
     tangents = np.stack([first["tx"], first["ty"], first["tz"]], axis=1)
     np.testing.assert_allclose(points[0], content["clamp"]["start_origin_A"], atol=1e-6)
@@ -499,3 +500,73 @@ def test_limits_reach_the_workers_and_their_files(tmp_path):
     result = run("fold", HAIRPIN, "-o", tmp_path, "--jobs", "1", "--max-atoms", "450")
     assert result.exit_code == 1
     assert "--max-atoms" in (tmp_path / "failures.csv").read_text()
+
+
+def ranks(out, *names):
+    rows = table(out / "summary.csv")
+    return [tuple(row[name] for name in names) for row in rows]
+
+
+def test_the_order_is_the_users_and_both_are_in_every_table(tmp_path, of_chains, monkeypatch):
+    monkeypatch.setattr("loopelastica.folding.fold.hypotheses", of_chains)
+    for order, title in (("default", "nearest first"), ("energy", "least energy first")):
+        out = tmp_path / order
+        result = run(
+            "fold", HAIRPIN, "-o", out, "--no-plot", "--first-model", "--rank", order,
+        )  # fmt: skip
+        assert result.exit_code == 0, result.output
+        assert title in " ".join(result.output.split())
+        assert "like 2koc" in result.output
+        content = json.loads((out / "2koc_A6-9" / "ranking.json").read_text())
+        for rows in (table(out / "summary.csv"), table(out / "2koc_A6-9" / "ranking.csv")):
+            for row, candidate in zip(rows, content["candidates"], strict=True):
+                for name in ("rank", "rank_energy"):
+                    assert int(row[name]) == candidate[name]
+                assert row["shape"] == candidate["shape"]
+                assert float(row["expected_rmsd_A"]) == candidate["expected_rmsd_A"][1]
+                low, high = float(row["expected_10_A"]), float(row["expected_90_A"])
+                assert low < float(row["expected_rmsd_A"]) < high
+    default, energy = (
+        ranks(tmp_path / order, "shape", "rank_energy", "energy_per_A")
+        for order in ("default", "energy")
+    )
+    assert sorted(default, key=lambda row: int(row[1])) == energy
+    assert default[0][0] == "like 2koc A.5-A.10"
+
+
+def test_all_that_is_written_of_chains_can_be_read(tmp_path, of_chains, monkeypatch):
+    monkeypatch.setattr("loopelastica.folding.fold.hypotheses", of_chains)
+    out = tmp_path / "out"
+    result = run("fold", HAIRPIN, "-o", out, "--first-model", "--atoms", "--candidates", "2")
+    assert result.exit_code == 0, result.output
+    folder = out / "2koc_A6-9"
+    rows = table(folder / "ranking.csv")
+    assert [row["shape"] for row in rows] == ["like 2koc A.5-A.10", "like small"]
+    assert {row["atoms_sound"] for row in rows} == {"True"}
+    line = np.genfromtxt(folder / "line.csv", delimiter=",", names=True)
+    assert all(np.isfinite(line[name]).all() for name in line.dtype.names)
+    for text in (path.read_text(errors="replace") for path in folder.glob("*.*s*")):
+        assert "NaN" not in text
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "sentence"),
+    [
+        ("--rank", "best", "--rank is 'best'; it must be 'default' or 'energy'"),
+        ("--shapes", "chain", "--shapes is 'chain'; it must be 'all' or 'rod'"),
+        ("--like", "", "--like is ''; it must be the name of a file"),
+        ("--library", "", "--library is ''; it must be the name of a file"),
+    ],
+)
+def test_what_is_no_order_no_kind_and_no_file_is_refused(tmp_path, option, value, sentence):
+    result = run("fold", HAIRPIN, "-o", tmp_path / "out", option, value)
+    assert result.exit_code == 2
+    assert sentence in " ".join(result.stderr.replace("│", " ").split())
+    assert not (tmp_path / "out").exists()
+
+
+def test_rods_alone_are_folded_on_request(tmp_path, of_chains, monkeypatch):
+    monkeypatch.setattr("loopelastica.folding.fold.hypotheses", of_chains)
+    result = run("fold", HAIRPIN, "-o", tmp_path, "--no-plot", "--first-model", "--shapes", "rod")
+    assert result.exit_code == 0
+    assert {shape for (shape,) in ranks(tmp_path, "shape")} == {"straight rod"}

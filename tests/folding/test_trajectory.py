@@ -107,8 +107,10 @@ def test_a_group_of_atoms_is_followed_as_the_whole(universe):
     np.testing.assert_array_equal(group.results.rmsd_A, whole.results.rmsd_A)
 
 
-def test_what_is_around_a_loop_counts_in_each_frame(universe):
+def test_what_is_around_a_loop_counts_in_each_frame(universe, monkeypatch):
     import MDAnalysis as mda
+
+    monkeypatch.setattr("loopelastica.folding.fold.hypotheses", lambda *_: ())
 
     (loop,) = le.fold(universe)
     ligand = mda.Universe.empty(6, n_residues=1, atom_resindex=[0] * 6, trajectory=True)

@@ -151,3 +151,16 @@ def test_no_name_of_a_chain_or_a_residue_breaks_a_record(tmp_path, write_cif):
     assert [s for s in text.splitlines() if s.startswith("data_")] == ["data_atoms"]
     assert len(gemmi.cif.read_string(text)) == 1
     assert (tmp_path / "loop.sdf").read_text().count("$$$$") == 1
+
+
+def test_the_b_factors_of_the_loop_are_the_error_to_expect(folder, atoms):
+    for k, model in enumerate(atoms.written, start=1):
+        (candidate,) = (c for c in atoms.fold.candidates if c.rank == model.rank)
+        lines = records(folder / "atoms.pdb", k)
+        (of_loop,) = {float(s[60:66]) for s in lines if int(s[22:26]) in (6, 7, 8, 9)}
+        expected = min(8 * np.pi**2 / 3 * candidate.expected_rmsd_A[1] ** 2, 999.0)
+        assert of_loop == pytest.approx(expected, abs=0.006)
+        assert {float(s[60:66]) for s in lines if int(s[22:26]) not in (6, 7, 8, 9)} == {10.0}
+    remarks = [s for s in (folder / "atoms.pdb").read_text().splitlines() if "REMARK" in s]
+    assert any("CANDIDATE 1: straight rod" in s for s in remarks)
+    assert any("EXPECTED ERROR 1.9 A (80 % BETWEEN 1.1 AND 3.6)" in s for s in remarks)

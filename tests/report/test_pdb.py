@@ -17,6 +17,7 @@ from loopelastica.report.pdb import (
     WholeStructure,
     b_factor,
     bond_records,
+    expected_records,
     one_letter_chains,
     point_records,
 )
@@ -229,3 +230,26 @@ def test_the_b_factor_is_that_of_an_error():
     assert b_factor(0.0) == 0.0
     assert b_factor(50.0) == B_MAX_A2
     assert len(f"{b_factor(50.0):6.2f}") == 6
+
+
+@pytest.mark.parametrize(
+    "shape", ["like a\nATOM", "like " + "x" * 200, "like é\x1b[2J", "like 環", "motif GNRA"]
+)
+def test_remarks_on_candidates_are_records_of_the_format(fold, shape):
+    odd = dataclasses.replace(fold.candidates[0], shape=shape)
+    for record in expected_records([odd]):
+        assert record.startswith("REMARK  99 ")
+        assert len(record) <= 80
+        assert record.isascii()
+        assert record.isprintable()
+    assert expected_records([odd])[1].startswith(f"REMARK  99 CANDIDATE 1: {shape[:4]}")
+
+
+def test_the_whole_structure_says_what_its_loop_is(shipped):
+    folder, fold = shipped
+    text = (folder / "whole.pdb").read_text()
+    assert f"REMARK  99 CANDIDATE 1: {fold.candidates[0].shape}" in text
+    points, _ = points_and_rest(folder / "whole.pdb")
+    expected = b_factor(float(fold.candidates[0].expected_rmsd_A[1]))
+    (written,) = {float(s[60:66]) for s in points}
+    assert written == pytest.approx(expected, abs=0.006)

@@ -42,3 +42,27 @@ def test_so_with_chains_and_what_a_loop_pairs_with():
     text = shown(hairpins_table([hairpin]))
     for name in ("[/]", "[red]–b", "[/b]–c", "d\\ne"):
         assert name in text
+
+
+def test_the_table_says_shape_error_and_both_orders(chains):
+    text = shown(fold_table([("a", chains, Path("a"))]))
+    assert "like 2koc" in text
+    assert "straight rod" in text
+    assert "1.2 (0.5–2.0)" in text
+    assert "measured to be nearest first" in text
+    assert "by E" in text
+
+
+def test_the_title_says_what_the_order_is(chains):
+    by_energy = dataclasses.replace(
+        chains, options=dataclasses.replace(chains.options, rank="energy")
+    )
+    assert "least energy first" in shown(fold_table([("a", by_energy, Path("a"))]))
+
+
+def test_a_shape_is_named_after_a_file_and_breaks_no_line(chains):
+    odd = dataclasses.replace(chains.candidates[0], shape="like \x1b[2J\n[red]x")
+    text = shown(fold_table([("a", dataclasses.replace(chains, candidates=(odd,)), Path("a"))]))
+    assert "\x1b" not in text
+    assert r"\x1b[2J" in text
+    assert "[red]x" in text

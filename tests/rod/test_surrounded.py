@@ -415,3 +415,14 @@ def test_impossible_arguments_are_named(changed, message):
     names = "start", "start_tangent", "end", "end_tangent", "length"
     with pytest.raises(ValueError, match=message):
         surrounded_rods(**dict(zip(names, ARCH, strict=True)) | changed)
+
+
+def test_the_curvature_of_its_arcs_is_the_turning_of_its_tangents():
+    rod = surrounded_rods(*ARCH, WALL)[0]
+    s = np.linspace(0.0, 1.0, 4001)
+    tangents = rod.frames(s)[:, :, 2]
+    turning = np.linalg.norm(np.diff(tangents, axis=0), axis=1) / np.diff(s)
+    curvature = rod.curvature(0.5 * (s[1:] + s[:-1]))
+    # an interval in which two arcs meet has a bit of each
+    assert (np.abs(turning - curvature) < 1e-3 * curvature.max()).mean() > 0.95
+    assert 0.5 * (curvature**2).mean() == pytest.approx(rod.energy, rel=1e-3)

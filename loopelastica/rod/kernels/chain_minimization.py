@@ -57,9 +57,10 @@ _UNREACHABLE, _BAD_INPUT = int(Status.UNREACHABLE), int(Status.BAD_INPUT)
 _ITERATIONS = 150
 # largest turn of a segment in one step; turns so small that a step is Newton's own
 _STEP, _SMALL = 1.0, 1e-3
-# shifts of H: the least; the least that makes a difference; curvature that counts as none, as that
-# of a turn about the line of both ends
-_FLOOR, _SHIFT, _FLAT = 1e-9, 4.0, 1e-6
+# shifts of H: the least; the least that makes a difference
+_FLOOR, _SHIFT = 1e-9, 4.0
+# curvature that counts as none, as that of a turn about the line of both ends
+_FLAT = 1e-6
 # |constraint|₁ and imbalance of a solution; what the check lets pass
 _CLOSED, _BALANCED, _CONFIRMED = 1e-11, 1e-10, 1e-8
 # bend that leaves a saddle, and how many times

@@ -13,6 +13,7 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica._files import write_csv, write_json, write_text
+from loopelastica.batch.sources import structure_files
 from loopelastica.errors import LoopelasticaError
 from loopelastica.filling.models import strand_models
 from loopelastica.folding.expected import expected_rmsd, length_class, signs
@@ -29,7 +30,6 @@ from loopelastica.molecule.trace import loop_arc_positions, rmsd_A
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.curves import equal_length_hermite
 from loopelastica.rod.solve import solve
-from loopelastica.studies.sources import structure_files
 from loopelastica.studies.strands.calibration import calibrated, covered
 from loopelastica.studies.strands.report import report
 from loopelastica.studies.strands.selection import Cut, cuts, distinct

@@ -1,0 +1,57 @@
+"""The structures of a folder."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from loopelastica._files import read_manifest
+
+_SUFFIXES = (".pdb", ".ent", ".cif", ".mmcif")
+_MANIFESTS = ("ranking.json", "fill.json")
+
+
+def structure_files(folder: Path, deep: bool = False, argument: str = "folder") -> list[Path]:
+    """PDB and mmCIF files of a folder, compressed or not, by name.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to look.
+    deep : bool
+        Look into the folders in it too, except hidden ones, linked ones and those with results of
+        this program.
+    argument : str
+        What `folder` is called where the user gave it.
+
+    Returns
+    -------
+    list of Path
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    found = sorted(_deep(folder) if deep else filter(_is_structure, folder.glob("*")))
+    if not found:
+        why = (
+            "" if folder.is_dir() else ": it is a file" if folder.exists() else ": it is not there"
+        )
+        raise ValueError(f"`{argument}` {folder} holds no PDB or mmCIF file{why}")
+    return found
+
+
+def _deep(top: Path) -> Iterator[Path]:
+    for folder, inner, names in os.walk(top):
+        place = Path(folder)
+        if place != top and any(read_manifest(place / name) for name in _MANIFESTS):
+            # its structures are predictions
+            inner.clear()
+            continue
+        inner[:] = [name for name in inner if not name.startswith(".")]
+        yield from filter(_is_structure, (place / name for name in names))
+
+
+def _is_structure(path: Path) -> bool:
+    suffixes = [s.lower() for s in path.suffixes if s.lower() not in (".gz", ".bz2")]
+    return path.is_file() and bool(suffixes) and suffixes[-1] in _SUFFIXES

@@ -1,0 +1,67 @@
+"""``loopelastica library``: loop shapes of many files in one, and what is in it."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from loopelastica.cli import options as o
+from loopelastica.cli.program import Command, in_options, tell
+
+library = typer.Typer(help="Keep loop shapes of many structures in one file.", no_args_is_help=True)
+
+
+@library.command("build", cls=Command)
+def build_library(
+    sources: Annotated[
+        list[str],
+        typer.Argument(
+            help="Folders of PDB and mmCIF files, gzipped or not, or such files.",
+            show_default=False,
+        ),
+    ],
+    out: Annotated[Path, typer.Option("-o", "--out", help="The library.")] = Path("loops.lib"),
+    with_contacts: Annotated[
+        bool, typer.Option("--with-contacts", help="Take loops that make a pair elsewhere too.")
+    ] = False,
+    max_size: o.MaxSize = None,
+    max_atoms: o.MaxAtoms = None,
+    jobs: o.Jobs = None,
+    scheduler: o.Scheduler = None,
+) -> None:
+    """Make a library of the hairpin loops of many files, 3 to 12 nucleotides each.
+
+    Beside it a folder, loops.lib.run, gets loops.csv, a row per loop, and failures.csv. The same
+    command resumes a run that was stopped.
+    """
+    from loopelastica.batch.shapes import build_library as build
+    from loopelastica.molecule.nucleotides import Limits
+
+    o.refuse(o.either(jobs, scheduler))
+    with o.usage():
+        done = build(
+            sources,
+            out,
+            with_contacts=with_contacts,
+            jobs=jobs or 1,
+            scheduler=scheduler,
+            progress=True,
+            limits=Limits(**o.limits(max_size, max_atoms)),
+            wording=in_options,
+        )
+    tell(
+        f"{done.n_files} files ({done.n_resumed} were done before), {len(done.library)} loops in {out}"
+    )
+    o.note(o.screenful(done.notes, "of the kind"))
+    o.fail_of_many(done.failures, done.table.parent)
+
+
+@library.command("list", cls=Command)
+def list_library(
+    file: Annotated[Path, typer.Argument(help="A library.", show_default=False)],
+) -> None:
+    """Show what a library holds: loops, sequences and entries by kind and length."""
+    from loopelastica.folding.library_file import load_library
+    from loopelastica.report.tables import console, library_table
+
+    console().print(library_table(load_library(file)))

@@ -1,0 +1,263 @@
+"""What is known of a loop before it is looked at: shapes of other loops, deformed onto its stem.
+
+    library → shapes of its length → elastic chains on its stem → weights → answers
+
+The first answer is a mean: over loops of the same sequence where there are any, else over those of
+its motif, else over all. How far the weighted shapes lie from an answer, whatever that is, tells
+the error to expect of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from loopelastica._arrays import Array, Record
+from loopelastica._files import data_path
+from loopelastica.folding.choice import (
+    Weighted,
+    atoms_per_point,
+    covering,
+    distances_A,
+    sequence_distance,
+    smooth_lines,
+    weigh,
+)
+from loopelastica.folding.library import Library
+from loopelastica.folding.library_file import load_library
+from loopelastica.folding.lines import ChainLine, chain_lines
+from loopelastica.folding.motifs import Motif, motif_of
+from loopelastica.folding.nearest import nearest
+from loopelastica.folding.shape_table import ShapeTable, copies_of, letters_of
+from loopelastica.molecule.ends import ClosingPoses
+from loopelastica.molecule.hairpins import Hairpin
+from loopelastica.molecule.shapes import LoopShape, shape_between
+from loopelastica.rod.chain import deform_batch
+
+MOST_SHAPES: Final = 600
+"""Shapes that are deformed; of more, those of least estimated energy."""
+
+
+FIRST: Final = 5
+"""Answers that differ in what they assume come first, so many."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Answer(Record):
+    """One answer among those for a loop.
+
+    Attributes
+    ----------
+    kind : str
+        In the table of errors.
+    trace_A : (n, 3) array
+        Its loop nucleotides in the coordinates of the file, Å.
+    line : ChainLine or None
+        None for a rod.
+    rod : int
+        Which of the rods; −1 for a chain.
+    """
+
+    kind: str
+    trace_A: Array
+    line: ChainLine | None = None
+    rod: int = -1
+
+    def __repr__(self) -> str:
+        return f"<Answer {self.kind}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Known(Record):
+    """Shapes of a library on the stem of a loop.
+
+    Attributes
+    ----------
+    hairpin : Hairpin
+    poses : ClosingPoses
+        Of its closing pair.
+    table : ShapeTable
+        The k shapes.
+    weighted : Weighted
+        Their loop nucleotides on the stem, in the frame of the 5' closing nucleotide, and weights.
+    energies : (k,) array
+        E L/K0 of their deformation.
+    same : (k,) array of bool
+        Which have the same loop sequence.
+    motif : Motif or None
+        What the sequence says.
+    """
+
+    hairpin: Hairpin
+    poses: ClosingPoses
+    table: ShapeTable
+    weighted: Weighted
+    energies: Array
+    same: NDArray[np.bool_]
+    motif: Motif | None
+
+    def __repr__(self) -> str:
+        return f"<Known: {len(self.table)} shapes for {self.hairpin.name}>"
+
+    def answers(self, rods_A: Sequence[Array], surrounded_A: Sequence[Array] = ()) -> list[Answer]:
+        """All answers, in the order that was measured to be best.
+
+        The mean, the rod by the rule, the rod in its surroundings, single shapes that cover what
+        these leave open up to `FIRST`; then the other rods. Of DNA loops few are known: there the
+        rod comes first, and a mean only if it is over the same sequence.
+
+        Parameters
+        ----------
+        rods_A : sequence of (n, 3) array
+            Traces of the rods of one clamp in the coordinates of the file, least energy first.
+        surrounded_A : sequence of (n, 3) array
+            Those in their surroundings.
+
+        Returns
+        -------
+        list of Answer
+            For rods in their surroundings ``rod`` goes on counting.
+        """
+        first, kind = self._mean()
+        rods = [Answer("rod" if k == 0 else "further rod", x, rod=k) for k, x in enumerate(rods_A)]
+        among = [
+            Answer("rod in its surroundings", x, rod=len(rods) + k)
+            for k, x in enumerate(surrounded_A)
+        ]
+        answers = [Answer(kind, first.trace, first), *rods[:1], *among[:1]]
+        if self.hairpin.is_dna and rods:
+            mean = answers.pop(0)
+            answers[1:1] = [mean] if kind == "same sequence" else []
+        for line in self._covering([one.trace_A for one in answers], FIRST - len(answers)):
+            answers.append(Answer("library", line.trace, line))
+        return [*answers, *rods[1:], *among[1:]]
+
+    def _mean(self) -> tuple[ChainLine, str]:
+        """The mean of what is most like the loop, and its kind.
+
+        A mean of deformed shapes fits this stem as it is: its energy is the mean of theirs.
+        """
+        among, kind = self._basis()
+        share = self.weighted.among(among)
+        n = int(among.sum())
+        name = f"mean of {n} loops" if kind == "mean" else f"{kind}, {n} loop{'s' * (n > 1)}"
+        sequence = self.hairpin.sequence.replace("T", "U")
+        shape = shape_between(share.mean_A, self.poses.local, sequence, self.hairpin.is_dna, name)
+        line = self._line(shape)
+        return replace(line, energy=float(share.weights @ self.energies[among])), kind
+
+    def _covering(self, lines_A: Sequence[Array], count: int) -> list[ChainLine]:
+        covered = [distances_A(self.weighted.nodes_A, self._local(x)) for x in lines_A]
+        nearest_A = np.min(covered, axis=0) if covered else None
+        rows = covering(self.weighted, nearest_A, count)
+        return [self._line(self.table.shape(row)) for row in rows]
+
+    def spread_A(self, trace_A: Array) -> float:
+        """Expected distance of the loop from an answer (n, 3) in the file's coordinates, Å."""
+        return self.weighted.distance_A(self._local(trace_A))
+
+    def _basis(self) -> tuple[NDArray[np.bool_], str]:
+        usable = self.weighted.weights > 0.0
+        same = usable & self.same
+        if same.any():
+            return same, "same sequence"
+        if self.motif is not None:
+            of_motif = usable & self.motif.matches(self.table.letters)
+            if of_motif.any():
+                return of_motif, f"motif {self.motif.name}"
+        return usable, "mean"
+
+    def _local(self, trace_A: Array) -> Array:
+        return np.asarray((trace_A - self.poses.start_origin_A) @ self.poses.start_frame)
+
+    def _line(self, shape: LoopShape) -> ChainLine:
+        (line,) = chain_lines([shape], self.poses, self.hairpin.is_dna)
+        assert line is not None, "every shape of the table was deformed before"
+        return line
+
+
+def usable_shapes(
+    library: Library,
+    hairpin: Hairpin,
+    entries: Collection[str] = (),
+    exclude_relatives: bool = False,
+) -> ShapeTable:
+    """What a library has for a loop.
+
+    Parameters
+    ----------
+    library : Library
+        Loop shapes. Loops of DNA, of which few are known, may take those of RNA.
+    hairpin : Hairpin
+        Which loop; of its nucleotides only the sequence counts.
+    entries : collection of str
+        Entries of the databank that the loop may be from: their shapes are left out.
+    exclude_relatives : bool
+        Leave out shapes of related sequences.
+
+    Returns
+    -------
+    ShapeTable
+        Those of its length.
+    """
+    table = library.of_length(len(hairpin), None if hairpin.is_dna else False)
+    without = table.of_entries(entries)
+    if exclude_relatives:
+        without |= table.relatives(hairpin.sequence)
+    return table.take(~without)
+
+
+def known_shapes(
+    hairpin: Hairpin, poses: ClosingPoses, table: ShapeTable, atoms_A: Array | None = None
+) -> Known | None:
+    """Deform loop shapes onto the stem of a loop, and weigh them.
+
+    Parameters
+    ----------
+    hairpin : Hairpin
+        Which loop.
+    poses : ClosingPoses
+        Of its closing pair.
+    table : ShapeTable
+        Shapes of its length.
+    atoms_A : (m, 3) array, optional
+        What lines may run into, in the coordinates of the file, Å.
+
+    Returns
+    -------
+    Known or None
+        None where nothing could be deformed onto this stem.
+    """
+    table = table.take(nearest(table, poses, hairpin.sequence, MOST_SHAPES))
+    if not len(table):
+        return None
+    batch = deform_batch(table.steps_A, table.end_frames, poses.position_A, poses.rotation)
+    there = batch.converged
+    table, nodes_A, energies = table.take(there), batch.nodes[there], batch.energy[there]
+    if not len(table):
+        return None
+    near = np.zeros(len(table))
+    if atoms_A is not None:
+        near = atoms_per_point(poses.to_file(smooth_lines(nodes_A)), atoms_A)
+    distances = sequence_distance(table.letters, letters_of(hairpin.sequence))
+    # of those that are left out none is a copy
+    weights = weigh(energies, distances, copies_of(table.letters), near, len(hairpin))
+    return Known(
+        hairpin,
+        poses,
+        table,
+        Weighted(nodes_A[:, 1:-1], weights),
+        energies,
+        table.same_loop(hairpin.sequence),
+        None if hairpin.is_dna else motif_of(hairpin.sequence),
+    )
+
+
+def library_at(path: str | None) -> Library:
+    """The library of a file; the one that is shipped for None."""
+    return load_library(data_path("loops.lib") if path is None else Path(path))

@@ -1,0 +1,1 @@
+"""The numbers of ``data/motifs.json`` and ``data/loops.lib``, and how good they are."""

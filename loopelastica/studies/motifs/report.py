@@ -1,0 +1,189 @@
+"""The tables of the study in markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from loopelastica._arrays import Array
+from loopelastica.folding.known import FIRST
+from loopelastica.studies.bench.markdown import markdown_table
+from loopelastica.studies.motifs.judge import ENTRY, LEVELS, RELATIVES, per_sequence
+from loopelastica.studies.motifs.tables import (
+    by_kind,
+    held_out,
+    sequence_weights,
+    weighted_quantiles,
+)
+
+Row = Mapping[str, Any]
+_CLASSES: dict[str, Callable[[Row], bool]] = {
+    "3": lambda row: row["n"] == 3,
+    "GNRA": lambda row: row["motif"] == "GNRA",
+    "UNCG": lambda row: row["motif"] == "UNCG",
+    "other 4": lambda row: row["n"] == 4 and not row["motif"],
+    "5": lambda row: row["n"] == 5,
+    "6": lambda row: row["n"] == 6,
+    "7": lambda row: row["n"] == 7,
+    "8-9": lambda row: 8 <= row["n"] <= 9,
+    "10-12": lambda row: row["n"] >= 10,
+}
+_MEASURES: dict[str, Callable[[Sequence[Row]], float]] = {
+    "first answer": lambda rows: rows[0]["rmsd_A"],
+    f"best of the first {FIRST}": lambda rows: min(row["rmsd_A"] for row in rows[:FIRST]),
+    "straight rod by the rule": lambda rows: next(
+        (row["rmsd_A"] for row in rows if row["kind"] == "rod"), np.nan
+    ),
+    "shape of least energy": lambda rows: rows[0]["least_energy_A"],
+    "the best there is": lambda rows: rows[0]["oracle_A"],
+}
+
+
+def report(
+    rows: Sequence[Row],
+    motifs: Sequence[Row],
+    lengths: Sequence[Row],
+    left_out: Sequence[str],
+) -> str:
+    """The report of the study.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        Of all levels (:func:`loopelastica.studies.motifs.judge.rows_of`); expected errors are put
+        into them.
+    motifs, lengths : sequence of mapping
+        As in ``motifs.json``.
+    left_out : sequence of str
+        A sentence for each loop that was not judged.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
+    lines = [
+        "# Loop shapes: how good answers are",
+        "",
+        "RMSD of the loop's backbone centroids, no superposition, Å: median / 90 % over distinct"
+        " loop sequences (mean over the loops of one first; in brackets how many). *strict*:"
+        " nothing of the loop's family was known, for GNRA and UNCG nothing of the motif;"
+        " *relatives out*: other sequences of these motifs were; *entry out*: all other entries"
+        " were, as for a user's loop.",
+    ]
+    for acid in ("RNA", "DNA"):
+        lines += ["", f"## {acid}, 3 to 9 nucleotides", ""]
+        lines.append(_answers([row for row in rows if row["acid"] == acid]))
+    lines += ["", "## Motifs, and one shape per length", "", _shapes([*motifs, *lengths])]
+    lines += ["", "## Expected errors", "", _coverage(rows)]
+    lines += ["", f"{len(left_out)} loops were not judged:", ""]
+    return "\n".join([*lines, *(f"- {sentence}" for sentence in left_out), ""])
+
+
+def _answers(rows: Sequence[Row]) -> str:
+    table = []
+    for level in LEVELS:
+        by_loop: dict[str, list[Row]] = {}
+        for row in rows:
+            if row["level"] == level:
+                by_loop.setdefault(row["source"], []).append(row)
+        loops = [sorted(of, key=lambda row: row["place"]) for of in by_loop.values()]
+        if not loops:
+            continue
+        for name, measure in _MEASURES.items():
+            values = np.array([measure(of) for of in loops])
+            there = np.isfinite(values)
+            firsts = [of[0] for of, is_there in zip(loops, there, strict=True) if is_there]
+            each, mean = per_sequence(firsts, values[there])
+            short = np.array([row["n"] <= 9 for row in each])
+            cells = [_quantiles(mean[short])]
+            for is_of in _CLASSES.values():
+                of = np.array([is_of(row) for row in each])
+                cells.append(_median(mean[of]))
+            table.append((level, name, *cells))
+    return _table(("known", "answer", "all 3–9", *_CLASSES), table)
+
+
+def _quantiles(values: Array) -> str:
+    if not len(values):
+        return ""
+    median, most = np.quantile(values, [0.5, 0.9])
+    return f"{median:.2f} / {most:.2f} ({len(values)})"
+
+
+def _median(values: Array) -> str:
+    return f"{np.median(values):.2f} ({len(values)})" if len(values) else ""
+
+
+def _shapes(rows: Sequence[Row]) -> str:
+    return _table(
+        ("shape", "acid", "pattern", "loops", "sequences", "families", "median / 90 % (Å)"),
+        [
+            (
+                row["name"], row["kind"], row["pattern"], row["loops"], row["sequences"],
+                row["families"], "{} / {}".format(*row["rmsd_A"]),
+            )
+            for row in rows
+        ],
+    )  # fmt: skip
+
+
+def _coverage(rows: Sequence[Row]) -> str:
+    """Coverage by kind of answer; what is expected goes into the rows."""
+    table = []
+    wanted = [
+        row
+        for row in rows
+        if row["level"] == (ENTRY if row["kind"] == "same sequence" else RELATIVES)
+    ]
+    for kind, of in by_kind(wanted).items():
+        if len({row["loop"] for row in of}) < 5:
+            continue
+        expected = held_out(of)
+        names = ("expected_10_A", "expected_50_A", "expected_90_A")
+        for row, values in zip(of, expected.tolist(), strict=True):
+            row.update(zip(names, values, strict=True))  # type: ignore[attr-defined]
+        table.append((kind, *_covered(of)))
+    firsts = [
+        row
+        for row in wanted
+        if row["place"] == 1 and row["level"] == RELATIVES and "expected_50_A" in row
+    ]
+    table.append((f"first answers, {RELATIVES}", *_covered(firsts)))
+    head = ("answers", "sequences", "within 80 %", "below median", "90 % / 10 %", "by quarter (Å)")
+    return _table((*head, *_CLASSES), table)
+
+
+def _covered(rows: Sequence[Row]) -> tuple[str, ...]:
+    error = np.array([row["rmsd_A"] for row in rows])
+    low, middle, high = (np.array([row[f"expected_{q}_A"] for row in rows]) for q in (10, 50, 90))
+    weights = sequence_weights(rows)
+    inside = (error >= low) & (error <= high)
+
+    def share(of: Array) -> str:
+        total = weights[of].sum()
+        return f"{100.0 * (weights * inside)[of].sum() / total:.0f} %" if total else ""
+
+    bounds = [*weighted_quantiles(middle, weights, [0.0, 0.25, 0.5, 0.75]), np.inf]
+    quarters = [(middle >= a) & (middle < b) for a, b in pairwise(bounds)]
+    medians = [
+        f"{weighted_quantiles(error[of], weights[of], [0.5])[0]:.1f}" for of in quarters if of.any()
+    ]
+    by_class = (np.array([is_of(row) for row in rows]) for is_of in _CLASSES.values())
+    return (
+        f"{weights.sum():.0f}",
+        share(np.ones(len(rows), dtype=np.bool_)),
+        f"{100.0 * (weights * (error < middle)).sum() / weights.sum():.0f} %",
+        f"{np.median(high / np.maximum(low, 0.05)):.1f}",
+        ", ".join(medians),
+        *(f"{share(of)} ({weights[of].sum():.0f})" if of.any() else "" for of in by_class),
+    )
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    return markdown_table(
+        [dict(zip(head, row, strict=True)) for row in rows], {name: (name, "") for name in head}
+    )

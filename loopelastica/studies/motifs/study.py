@@ -1,0 +1,83 @@
+"""The study of loop shapes: from a folder of loops to the data of the package and a report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from loopelastica._files import write_csv, write_json, write_text
+from loopelastica.folding.library import Library
+from loopelastica.folding.library_file import save_library
+from loopelastica.report.records import program
+from loopelastica.studies.motifs.corpus import StudyLoop, library_of, read_corpus
+from loopelastica.studies.motifs.judge import ENTRY, LEVELS, RELATIVES, rows_of
+from loopelastica.studies.motifs.report import report
+from loopelastica.studies.motifs.tables import error_tables, length_rows, motif_rows
+
+COLUMNS = (
+    "source", "loop", "acid", "family", "motif", "n", "level", "place", "kind", "spread_A",
+    "rmsd_A", "expected_10_A", "expected_50_A", "expected_90_A",
+)  # fmt: skip
+
+
+def run(folder: Path, out: Path, progress: bool = False) -> str:
+    """Make ``loops.lib`` and ``motifs.json``, and measure how good answers from them are.
+
+    Parameters
+    ----------
+    folder : Path
+        PDB or mmCIF files of loops, and ``loops.csv`` where there is one
+        (:mod:`loopelastica.studies.motifs.corpus`).
+    out : Path
+        Gets both, ``answers.csv`` with a row per loop and answer, and ``motifs.md``.
+    progress : bool
+        Show bars.
+
+    Returns
+    -------
+    str
+        The report.
+    """
+    loops, left_out = read_corpus(folder, progress)
+    if not loops:
+        raise ValueError(f"`folder` {folder} holds no loop that can be judged: {left_out[0]}")
+    library = library_of(loops)
+    rows = answered(loops, library, progress)
+    motifs, lengths = motif_rows(loops), length_rows(loops)
+    content = {
+        **program(),
+        "motifs": motifs,
+        "lengths": lengths,
+        "errors": error_tables(calibrating(rows)),
+    }
+    text = report(rows, motifs, lengths, left_out)
+    out.mkdir(parents=True, exist_ok=True)
+    save_library(library, out / "loops.lib")
+    write_json(out / "motifs.json", content)
+    write_csv(out / "answers.csv", ({c: row.get(c) for c in COLUMNS} for row in rows), COLUMNS)
+    write_text(out / "motifs.md", text)
+    return text
+
+
+def answered(
+    loops: list[StudyLoop], library: Library, progress: bool = False
+) -> list[dict[str, Any]]:
+    """Rows of all levels."""
+    return [
+        row
+        for level in LEVELS
+        for row in tqdm(
+            rows_of(loops, library, level), desc=level, unit="answer", disable=not progress
+        )
+    ]
+
+
+def calibrating(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """What errors are learned from: nothing related was known, or the same sequence was."""
+    return [
+        row
+        for row in rows
+        if row["level"] == (ENTRY if row["kind"] == "same sequence" else RELATIVES)
+    ]
