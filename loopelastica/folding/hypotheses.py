@@ -1,6 +1,7 @@
 """What a loop may look like: each answer a line with its shape, its place and its expected error.
 
-Answers that differ in what they assume come first (:meth:`.known.Known.answers`): loops of the same
+Templates that a user names come first, then answers that differ in what they assume
+(:meth:`.known.Known.answers`): loops of the same
 sequence, motif or length, the rod by the rule, the rod in its surroundings, single loops of the
 library. The other equilibria of one clamp differ from the first in their turns alone; they are
 last.
@@ -22,15 +23,18 @@ from loopelastica.folding.known import (
     usable_shapes,
 )
 from loopelastica.folding.library import Library
+from loopelastica.folding.like import MOST, loop_templates
 from loopelastica.folding.lines import CandidateLine, RodLine, chain_lines
 from loopelastica.folding.motifs import Motif, errors_of, motif_of, of_length, typical_spread_A
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.surroundings import SURROUNDED, rods_among
+from loopelastica.folding.template import Deformed, deformed
 from loopelastica.molecule.ends import ClosingPoses, FittedStem, StemEnds
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.identity import entries_of
 from loopelastica.molecule.neighbours import Neighbours, neighbours
 from loopelastica.molecule.nucleotides import Structure
+from loopelastica.molecule.polymer import Monomer
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.rod.equilibrium import Equilibrium
 
@@ -54,12 +58,16 @@ class Hypothesis(Record):
         10, 50 and 90 % of its error, Å.
     place : int
         In the default order, from 0; equal ones are ordered by energy.
+    carried : tuple of Monomer
+        Nucleotides of a template where the line takes them, in the coordinates of the file; empty
+        where there is none.
     """
 
     line: CandidateLine
     shape: str
     expected_rmsd_A: Array
     place: int
+    carried: tuple[Monomer, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Hypothesis {self.place}: {self.shape}>"
@@ -155,13 +163,30 @@ def hypotheses(
         if known is None
         else known.answers(straight, bent)
     )
-    found = []
-    for place, answer in enumerate(answers):
+    found = [
+        Hypothesis(
+            one.line,
+            one.shape,
+            one.errors.at(_spread_A(known, one.line.trace, len(hairpin)), len(hairpin)),
+            place,
+            one.carried,
+        )
+        for place, one in enumerate(_like(hairpin, poses, options))
+    ]
+    for place, answer in enumerate(answers, start=len(found)):
         line = lines[answer.rod] if answer.line is None else answer.line
         spread_A = _spread_A(known, answer.trace_A, len(hairpin))
         expected = errors_of(answer.kind).at(spread_A, answer.energy, len(hairpin))
         found.append(Hypothesis(line, _called(answer), expected, place))
     return tuple(found)
+
+
+def _like(hairpin: Hairpin, poses: ClosingPoses, options: FoldOptions) -> list[Deformed]:
+    """The loops of the structure that a user names, before all else."""
+    if options.like is None:
+        return []
+    templates = loop_templates(options.like, len(hairpin), options.limits)
+    return deformed(templates, poses, hairpin.sequence, hairpin.is_dna)[:MOST]
 
 
 def straight_rods(

@@ -101,7 +101,7 @@ def fill_table(rows: "Iterable[Mapping[str, Any]]", out: Path) -> Table:
         f"Strands, with the error to expect (80 % of cases); structures in {printable(str(out))}"
     )
     table = Table(title=title, title_justify="left")
-    for name in ("folder", "strand", "sequence"):
+    for name in ("folder", "strand", "sequence", "shape"):
         table.add_column(name, overflow="fold")
     for name in ("expected (Å)", "sound"):
         table.add_column(name, justify="right")
@@ -126,6 +126,7 @@ def fill_table(rows: "Iterable[Mapping[str, Any]]", out: Path) -> Table:
             "" if folder == shown else folder,
             f"{row['chain']}.{name}" if row["chain"] else name,
             row["sequence"],
+            row["shape"] or "",
             expected,
             sound,
         )
