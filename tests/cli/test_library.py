@@ -112,7 +112,9 @@ def test_an_interrupted_build_leaves_no_library_and_goes_on(tmp_path, out):
     folder = tmp_path / "in"
     folder.mkdir()
     # without its HEADER each file is an entry of its own
-    text = "".join(line for line in KOC.open() if not line.startswith("HEADER"))
+    text = "".join(
+        line for line in KOC.read_text().splitlines(True) if not line.startswith("HEADER")
+    )
     for k in range(60):
         (folder / f"{k:02d}.pdb").write_text(text)
     command = [sys.executable, "-m", "loopelastica", "library", "build", folder, "-o", out]

@@ -1,16 +1,20 @@
 """The estimate of an energy, and which shapes of a large table it keeps."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from loop_shapes import found
 from scipy.spatial.transform import Rotation
 from scipy.stats import spearmanr
 
+from loopelastica.batch.shapes import build_library
 from loopelastica.folding.nearest import estimated_energy, nearest
 from loopelastica.folding.shape_table import empty_table, table_of
 from loopelastica.molecule.ends import ClosingPoses
 from loopelastica.rod.chain import deform_batch
 
+LOOPS = Path(__file__).resolve().parents[3] / "shared" / "loops"
 N = 6
 LETTERS = np.array(list("ACGU"))
 
@@ -118,3 +122,22 @@ def test_a_shape_that_is_straight_at_rest_has_a_finite_energy(table):
     object.__setattr__(straight, "end_frames", np.eye(3)[None])
     assert estimated_energy(straight, np.array([0.0, 0.0, 35.0]), np.eye(3)) == pytest.approx([0])
     assert np.isfinite(estimated_energy(straight, np.array([0.0, 0.0, 10.0]), np.eye(3))).all()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not LOOPS.is_dir(), reason="the loops are not beside this checkout")
+def test_of_real_loops_a_fifth_holds_the_five_of_least_energy(tmp_path):
+    """Each loop's stem against all loops of its length that are no relatives."""
+    library = build_library(LOOPS, tmp_path / "loops.lib").library
+    assert len(library) > 750
+    rng = np.random.default_rng(1)
+    kept_all = []
+    for n in (4, 5, 6, 7):
+        table = library.of_length(n, is_dna=False)
+        for k in rng.choice(len(table), 10, replace=False):
+            stem = poses(table.steps_A[k].sum(axis=0), table.end_frames[k])
+            others = table.take(~table.relatives(table.sequence(k)))
+            least = np.argsort(deformed(others, stem).energy)[:5]
+            kept = nearest(others, stem, table.sequence(k), most=max(15, len(others) // 5))
+            kept_all.append(np.isin(least, kept).mean())
+    assert np.mean(kept_all) > 0.97
