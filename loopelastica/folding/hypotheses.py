@@ -163,21 +163,17 @@ def hypotheses(
         if known is None
         else known.answers(straight, bent)
     )
-    found = [
-        Hypothesis(
-            one.line,
-            one.shape,
-            one.errors.at(_spread_A(known, one.line.trace, len(hairpin)), len(hairpin)),
-            place,
-            one.carried,
-        )
-        for place, one in enumerate(_like(hairpin, poses, options))
-    ]
-    for place, answer in enumerate(answers, start=len(found)):
+    n = len(hairpin)
+    found = []
+    for one in _like(hairpin, poses, options):
+        spread_A = _spread_A(known, one.line.trace, n)
+        expected = one.errors.at(spread_A, one.line.energy, n)
+        found.append(Hypothesis(one.line, one.shape, expected, len(found), one.carried))
+    for answer in answers:
         line = lines[answer.rod] if answer.line is None else answer.line
-        spread_A = _spread_A(known, answer.trace_A, len(hairpin))
-        expected = errors_of(answer.kind).at(spread_A, answer.energy, len(hairpin))
-        found.append(Hypothesis(line, _called(answer), expected, place))
+        spread_A = _spread_A(known, answer.trace_A, n)
+        expected = errors_of(answer.kind).at(spread_A, answer.energy, n)
+        found.append(Hypothesis(line, _called(answer), expected, len(found)))
     return tuple(found)
 
 
