@@ -164,7 +164,7 @@ def hypotheses(
         else known.answers(straight, bent)
     )
     n = len(hairpin)
-    found = []
+    found: list[Hypothesis] = []
     for one in _like(hairpin, poses, options):
         spread_A = _spread_A(known, one.line.trace, n)
         expected = one.errors.at(spread_A, one.line.energy, n)
