@@ -10,6 +10,7 @@ from loopelastica._version import __version__
 
 _PUBLIC = {
     "Clamping": "rod.clamping",
+    "RestShape": "rod.rest_shape",
     "Equilibrium": "rod.equilibrium",
     "Status": "rod.kernels.records",
     "Equilibria": "rod.equilibria",
@@ -77,6 +78,7 @@ if TYPE_CHECKING:
     from loopelastica.rod.equilibrium import Equilibrium as Equilibrium
     from loopelastica.rod.kernels.records import Status as Status
     from loopelastica.rod.parameters import PhysicalParameters as PhysicalParameters
+    from loopelastica.rod.rest_shape import RestShape as RestShape
     from loopelastica.rod.solve import solve as solve
 
 

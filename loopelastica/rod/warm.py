@@ -12,6 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from loopelastica.rod.chain import deform_batch
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.continuation import continue_clamping, twist_end
 from loopelastica.rod.kernels.code_store import shipped_folder, try_writing, user_folder
@@ -25,6 +26,8 @@ _SLACK = (-0.4, -0.1, 0.5, 4.8, 1.4, 2.2)
 _TENSE = (0.2, 0.1, 0.974, 0.3, 0.8, 0.4)
 _TOUCHING = (0.1, 0.1, 0.9, 0.3, 0.8, 0.4)
 _IN_LINE = (0.0, 0.0, 0.8, 0.0, 0.0, 1.0)
+# the frame of both ends of a chain
+_FRAME = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
 def compile_solver() -> None:
@@ -37,6 +40,7 @@ def compile_solver() -> None:
             conjugate_points(rod)
             rod.centerline(3)
     surrounded_rods((0, 0, 0), (0, 0, 1), (1, 0, 0), (0, 0, -1), 2.5, segments=8)
+    deform_batch(((0, 0, 1), (1, 0, 0)), _FRAME, (1, 0.5, 0.5), _FRAME)
 
 
 def compile_paths() -> None:

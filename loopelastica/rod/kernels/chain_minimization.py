@@ -5,15 +5,17 @@ shifted until they lead downhill; a line search on energy + μ |constraint|₁ w
 correction makes it robust. Near a solution steps are whole, H is not shifted and exact: errors are
 squared from step to step.
 
-A chain is first tried from frames given, or with the end's turn spread evenly; then from its rest
-shape; then the end clamp is moved from that of the rest shape to the one given, in steps that
-adapt. What arrives is judged by other formulas (``chain_check``).
+A chain is first tried from frames given, or with the end's turn spread evenly, a large one both
+ways round; where that fails from its rest shape, and bowed; then the end clamp is moved from that
+of the rest shape to the one given, in steps that adapt. What arrives is judged by other formulas
+(``chain_check``).
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.rod.kernels.chain import (
@@ -58,10 +60,16 @@ _ITERATIONS = 150
 _STEP, _SMALL = 1.0, 1e-3
 # shifts of H: the least; the least that makes a difference
 _FLOOR, _SHIFT = 1e-9, 4.0
+# curvature that counts as none, as that of a turn about the line of both ends
+_FLAT = 1e-6
 # |constraint|₁ and imbalance of a solution; what the check lets pass
 _CLOSED, _BALANCED, _CONFIRMED = 1e-11, 1e-10, 1e-8
 # bend that leaves a saddle, and how many times
 _BOW, _BOWS = 0.07, 3
+# turn of the end beyond which both ways round are tried, rad
+_FAR = 2.0
+# attempts where the first fails: the rest shape, bowed by so many rad, the end clamp moved, bowed
+_ATTEMPTS, _BY_MOVING, _BEND = 12, 5, 0.8
 # first and least part of the way that the end clamp is moved at once; how many moves
 _PART, _LEAST, _MOVES = 0.25, 1e-3, 200
 # ends further apart than the chain is long by less than this are rounding
@@ -85,6 +93,11 @@ class ChainRoom(NamedTuple):
     """(m + 2, 4): frames to go back to."""
     kept_force: Array
     """(3,)."""
+    nodes: Array
+    """(m + 1, 3): a solution to be judged, as ``rotations`` (m + 1, 3, 3)."""
+    rotations: Array
+    moment: Array
+    """(3,)."""
 
 
 class ChainRows(NamedTuple):
@@ -101,10 +114,10 @@ class ChainRows(NamedTuple):
     energy: Array
     """(k,) in K0/L, as ``residual``; inf where a row failed."""
     residual: Array
-    index: Array
-    """(k,) of integers: Morse index; -1 where a row failed."""
-    status: Array
-    """(k,) of integers."""
+    morse_index: NDArray[np.int64]
+    """(k,); -1 where a row failed."""
+    status: NDArray[np.int64]
+    """(k,) of `Status`."""
 
 
 def new_rows(k: int, m: int) -> ChainRows:
@@ -130,6 +143,7 @@ def new_room(m, free_spin):
     return ChainRoom(
         chain, at_other_frames(chain), hessian, new_step(hessian.gradient.shape[0]), np.zeros(3),
         np.zeros(3), np.zeros(3), np.zeros((m + 2, 4)), np.zeros(3),
+        np.zeros((m + 1, 3)), np.zeros((m + 1, 3, 3)), np.zeros(3),
     )  # fmt: skip
 
 
@@ -172,9 +186,9 @@ def minimize_chain(room, position, minimized):
         assemble_chain(chain, force, hessian)
         norm_c = l1(c)
         done = norm_c < _CLOSED and imbalance(hessian, force) < _BALANCED
-        index, shift, downhill, largest = newton_step(
-            hessian, chain.s, done or not minimized, 0.0 if done or not minimized else shift, step
-        )
+        once = done or not minimized
+        first = _FLAT if done else 0.0 if once else shift
+        index, shift, downhill, largest = newton_step(hessian, chain.s, once, first, step)
         if done and (index <= 0 or bows == _BOWS or not minimized):
             return _CONVERGED, energy, max(index, 0)
         largest_force = max(abs(multiplier[0]), abs(multiplier[1]), abs(multiplier[2]))
@@ -263,22 +277,40 @@ def _by_moving_the_end(room, position, q):
 @kernel
 def _deform(room, position, q, guess, minimized):
     """From starts to a solution: (status, energy, Morse index). No guess is one of no rows."""
-    frames = room.chain.frames
+    frames, angle = room.chain.frames, 0.0
     m = frames.shape[0] - 2
     _reset(room, q)
     if guess.shape[0] == m:
         for k in range(m):
             copy(guess[k], frames[k + 1])
     else:
-        spread(room.chain)
+        angle = spread(room.chain, 0.0)
     status, energy, index = minimize_chain(room, position, minimized)
+    if status == _CONVERGED and angle > _FAR:
+        # the other way round may be the shorter one
+        copy_rows(frames, room.kept)
+        copy(room.force, room.kept_force)
+        _reset(room, q)
+        spread(room.chain, -1.0)
+        other, other_energy, other_index = minimize_chain(room, position, minimized)
+        if other == _CONVERGED and other_energy < energy:
+            return other, other_energy, other_index
+        copy_rows(room.kept, frames)
+        copy(room.kept_force, room.force)
     if status == _CONVERGED or not minimized:
         return status, energy, index
-    _reset(room, q)
-    status, energy, index = minimize_chain(room, position, minimized)
-    if status == _CONVERGED:
-        return status, energy, index
-    return _by_moving_the_end(room, position, q)
+    for attempt in range(_ATTEMPTS):
+        if attempt == _BY_MOVING:
+            status, energy, index = _by_moving_the_end(room, position, q)
+        else:
+            _reset(room, q)
+            if attempt > 0:
+                spread(room.chain, 0.0)
+                bow(room.chain, _BEND if attempt % 2 else -_BEND, attempt)
+            status, energy, index = minimize_chain(room, position, True)
+        if status == _CONVERGED:
+            break
+    return status, energy, index
 
 
 @kernel
@@ -345,15 +377,22 @@ def deform_rows(
         guess = _one_of(guesses, row)
         status, energy, index = _deform(room, position, q, guess, minimized)
         if status == _CONVERGED:
-            _give_back(chain, length, rows.nodes[row], rows.rotations[row])
+            _give_back(chain, length, room.nodes, room.rotations)
             residual = judge(
                 chain, room.force, position, free_spin, energy, length, end,
-                rows.nodes[row], rows.rotations[row], rows.moment[row],
+                room.nodes, room.rotations, room.moment,
             )  # fmt: skip
             if residual < _CONFIRMED:
-                rows.energy[row], rows.residual[row], rows.index[row] = energy, residual, index
-                for i in range(3):
-                    rows.force[row, i] = room.force[i]
+                rows.energy[row], rows.residual[row], rows.morse_index[row] = (
+                    energy,
+                    residual,
+                    index,
+                )
+                copy(room.force, rows.force[row])
+                copy(room.moment, rows.moment[row])
+                copy_rows(room.nodes, rows.nodes[row])
+                for k in range(m + 1):
+                    copy_rows(room.rotations[k], rows.rotations[row, k])
             else:
                 status = _CHECK_FAILED
         rows.status[row] = status
@@ -369,6 +408,8 @@ def _one_of(values, row):
 def _give_back(chain, length, nodes, rotations):
     """Nodes (m + 1, 3) in units of 1/``length``, and rotations (m + 1, 3, 3), of a chain."""
     m = chain.steps.shape[0]
+    for i in range(3):
+        nodes[0, i] = 0.0
     for k in range(m + 1):
         r = rotations[k]
         (

@@ -115,13 +115,25 @@ def newton_step(hessian, s, once, shift, step):
         index = negative - count
         if index == 0 or once:
             inverse3(schur, step.schur_inverse)
-            times(step.schur_inverse, target, step.multiplier)
+            _solve_by(step.schur_inverse, schur, target, step.multiplier)
             downhill, largest = _combine(gradient, step)
             # barely convex: the step would be long, and no fraction of it any good
             if once or largest < _RADIUS:
                 break
         shift = max(_SHIFT, 4.0 * shift)
     return index, shift, downhill, largest
+
+
+@kernel
+def _solve_by(inverse, a, y, x):
+    """Solve a x = y (3,) by an ``inverse`` that has lost digits, and twice for what is left."""
+    times(inverse, y, x)
+    for _ in range(2):
+        r0 = y[0] - a[0, 0] * x[0] - a[0, 1] * x[1] - a[0, 2] * x[2]
+        r1 = y[1] - a[1, 0] * x[0] - a[1, 1] * x[1] - a[1, 2] * x[2]
+        r2 = y[2] - a[2, 0] * x[0] - a[2, 1] * x[1] - a[2, 2] * x[2]
+        for i in range(3):
+            x[i] += inverse[i, 0] * r0 + inverse[i, 1] * r1 + inverse[i, 2] * r2
 
 
 @kernel
