@@ -19,8 +19,9 @@ from loopelastica._checks import array, optional, positive, shown, whole
 from loopelastica.atoms.carry import curve_on
 from loopelastica.atoms.checks import Checks
 from loopelastica.atoms.chemistry import LoopMolecule
+from loopelastica.atoms.graft import grafts
 from loopelastica.atoms.relax import Relaxed
-from loopelastica.atoms.search import Limits, best_on
+from loopelastica.atoms.search import Limits, best_from, best_on
 from loopelastica.atoms.site import Site, native_backbone, site_of
 from loopelastica.atoms.turn import Turns, check_contact
 from loopelastica.errors import StructureError
@@ -53,6 +54,8 @@ class AtomModel(Record):
     rmsd_A : float or None
         The six backbone atoms of the loop against the file's own loop, without superposition; None
         where the file has none.
+    carried : bool
+        Whether sugars and bases began where those of a template were carried to, not on the line.
     """
 
     rank: int
@@ -64,6 +67,7 @@ class AtomModel(Record):
     relaxed: Relaxed
     checks: Checks
     rmsd_A: float | None
+    carried: bool = False
 
     def __repr__(self) -> str:
         sound = "sound" if self.checks.sound else "not sound"
@@ -170,7 +174,11 @@ def _candidate(
     site: Site, candidate: Candidate, contact: str | None, limits: Limits, strand: Strand
 ) -> AtomModel:
     line = curve_on(candidate.line, strand)
-    best, combinations, _ = best_on(site, line, limits, contact=contact)
+    if candidate.carried:
+        near = site.given(grafts(site, candidate.carried))
+        best, combinations, _ = best_from(site, line, limits, near, contact=contact)
+    else:
+        best, combinations, _ = best_on(site, line, limits, contact=contact)
     return AtomModel(
         candidate.rank,
         site.molecule,
@@ -181,6 +189,7 @@ def _candidate(
         best.relaxed,
         best.checks,
         None,
+        best.near,
     )
 
 

@@ -23,7 +23,7 @@ from loopelastica.atoms.checks import Checks, check
 from loopelastica.atoms.measures import angles_deg, bond_lengths
 from loopelastica.atoms.minimum import Problem, mended, minimum
 from loopelastica.atoms.relax import Relaxed
-from loopelastica.atoms.site import GRID_A, Site
+from loopelastica.atoms.site import Site
 from loopelastica.atoms.start import start_on
 from loopelastica.atoms.turn import Turns, turned
 
@@ -68,15 +68,18 @@ class Attempt:
     ----------
     turns : Turns
     start_A : (N, 3) array
-        On the line, before anything moved.
+        Before anything moved.
     relaxed : Relaxed
     checks : Checks
+    near : bool
+        Whether it began at given positions, not on the line.
     """
 
     turns: Turns
     start_A: Array
     relaxed: Relaxed
     checks: Checks
+    near: bool = False
 
     @property
     def order(self) -> tuple[float, float]:
@@ -158,6 +161,30 @@ def _bends(line: Curve, n: int, size_A: float) -> list[Bent]:
     ]
 
 
+def best_from(
+    site: Site, line: Curve, limits: Limits, near: Array, *, contact: str | None = None
+) -> tuple[Attempt, list[Turns], int]:
+    """The model next to given positions; the best one on the line where that is not sound.
+
+    Parameters
+    ----------
+    site, line, limits, near
+        As for :func:`best_near`.
+    contact : str, optional
+        As for :func:`turned`.
+
+    Returns
+    -------
+    Attempt, list of Turns, int
+        As :func:`best_on`; no combinations where the line was not searched.
+    """
+    first, tried = best_near(site, line, limits, near)
+    if first.checks.sound:
+        return first, [], tried
+    other, combinations, more = best_on(site, line, limits, contact=contact)
+    return min(first, other, key=lambda attempt: attempt.order), combinations, tried + more
+
+
 def best_near(site: Site, line: Curve, limits: Limits, near: Array) -> tuple[Attempt, int]:
     """The model next to given positions: the first that is sound, held less and less.
 
@@ -180,8 +207,7 @@ def best_near(site: Site, line: Curve, limits: Limits, near: Array) -> tuple[Att
     end = time.monotonic() + limits.max_seconds
     n = site.molecule.n
     unturned = Turns((0.0,) * n, (0.0,) * n, 0.0)
-    given = np.isfinite(near) & site.moving[:, None]
-    start = np.where(given, np.round(near, GRID_A), start_on(site, line, unturned))
+    start = start_on(site, line, unturned, near)
     problem = Problem.at(site)
     attempts: list[Attempt] = []
     for tether_sd in NEAR_SD_A:
@@ -203,6 +229,7 @@ def _attempt(
 ) -> Attempt:
     site = problem.site
     centers = np.round(line.at(np.arange(1, site.molecule.n + 1))[0], 6)
+    near = start is not None
     if start is None:
         start = start_on(site, line, turns)
     relaxed = minimum(
@@ -218,7 +245,7 @@ def _attempt(
             problem, centers, relaxed, stress, limits.max_steps, max(end - time.monotonic(), 0.0)
         )
         checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
-    return Attempt(turns, start, relaxed, checks)
+    return Attempt(turns, start, relaxed, checks, near)
 
 
 def _stress(site: Site, positions: Array) -> Array:

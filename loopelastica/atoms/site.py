@@ -95,6 +95,18 @@ class Site:
             return str(self.around.label[row - n])
         return f"{self.labels[self.molecule.residue[row]]}:{self.molecule.names[row]}"
 
+    def given(self, near: Mapping[str, Mapping[str, Array]]) -> Array:
+        """Atoms by label and name, in the coordinates of the file, as local positions (N, 3).
+
+        NaN where none is given.
+        """
+        nowhere = np.full(3, np.nan)
+        found = [
+            near.get(self.labels[k], {}).get(name, nowhere)
+            for name, k in zip(self.molecule.names, self.molecule.residue, strict=True)
+        ]
+        return np.asarray((np.array(found) - self.origin) @ self.frame)
+
     def in_file(self, positions: Array) -> Array:
         """Local positions (N, 3) in the coordinates of the file; fixed atoms as they are there."""
         return np.where(self.moving[:, None], positions @ self.frame.T + self.origin, self.file_A)

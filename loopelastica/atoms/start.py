@@ -19,7 +19,7 @@ from loopelastica.molecule.strands import ideal_strand
 FEWEST_FITTED: Final = 3
 
 
-def start_on(site: Site, line: Curve, turns: Turns) -> Array:
+def start_on(site: Site, line: Curve, turns: Turns, given: Array | None = None) -> Array:
     """Positions (N, 3) on the line, Ω and χ as in `turns`; nucleotides in part there completed.
 
     Parameters
@@ -30,6 +30,8 @@ def start_on(site: Site, line: Curve, turns: Turns) -> Array:
         What the nucleotides are laid on.
     turns : Turns
         Ω and χ.
+    given : (N, 3) array, optional
+        Where atoms that are to be built start instead, NaN for those that it leaves open, Å.
 
     Returns
     -------
@@ -37,31 +39,33 @@ def start_on(site: Site, line: Curve, turns: Turns) -> Array:
         Å.
     """
     molecule = site.molecule
-    positions = np.where(site.moving[:, None], np.nan, site.fixed_A)
+    begun = np.nan if given is None else np.round(given, GRID_A)
+    there = np.where(site.moving[:, None], begun, site.fixed_A)
+    positions = there.copy()
     for k in molecule.kinds:
-        at = _completed(site, k)
+        at = _completed(molecule, there, k)
         if at is None and 0 <= k < molecule.n:
             at = _on_line(molecule, line, turns, k)
         for name, place_A in (at or {}).items():
             row = molecule.rows.get((k, name))
-            if row is not None and site.moving[row]:
+            if row is not None and not np.isfinite(positions[row]).all():
                 positions[row] = place_A
     _methyls(molecule, positions)
     return np.asarray(np.round(positions, GRID_A), dtype=np.float64)
 
 
-def _completed(site: Site, k: int) -> dict[str, Array] | None:
+def _completed(molecule: LoopMolecule, there: Array, k: int) -> dict[str, Array] | None:
     """Atoms of the ideal nucleotide laid on those that are there; None if fewer than three are."""
-    kind = site.molecule.kinds[k]
+    kind = molecule.kinds[k]
     fibre = fibre_nucleotide(kind.letter, kind.is_dna)
-    there = [
-        (fibre[name], site.fixed_A[row])
-        for (number, name), row in site.molecule.rows.items()
-        if number == k and name in fibre and not site.moving[row]
+    known = [
+        (fibre[name], there[row])
+        for (number, name), row in molecule.rows.items()
+        if number == k and name in fibre and np.isfinite(there[row]).all()
     ]
-    if len(there) < FEWEST_FITTED:
+    if len(known) < FEWEST_FITTED:
         return None
-    model, target = (np.array(side) for side in zip(*there, strict=True))
+    model, target = (np.array(side) for side in zip(*known, strict=True))
     rotation, shift = rigid_fit(model, target)
     return {name: rotation @ at + shift for name, at in fibre.items()}
 

@@ -11,7 +11,7 @@ the nucleotides, the curve reaches at least from ½ to n + ½), and `atoms` the
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -25,10 +25,10 @@ from loopelastica.atoms.checks import Checks
 from loopelastica.atoms.chemistry import LoopMolecule, Residue
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.gap_site import LocalCurve, gap_site, numbered
+from loopelastica.atoms.graft import grafts
 from loopelastica.atoms.measures import rigid_fit
 from loopelastica.atoms.relax import Relaxed
-from loopelastica.atoms.search import Limits, best_near, best_on
-from loopelastica.atoms.site import Site
+from loopelastica.atoms.search import Limits, best_from, best_near, best_on
 from loopelastica.atoms.start import FEWEST_FITTED
 from loopelastica.atoms.turn import Turns, check_contact
 from loopelastica.errors import StructureError
@@ -84,6 +84,8 @@ class StrandModel(Record):
         Rows of `atoms`: waters nearer than 2.5 Å to a built atom.
     attempts : int
         Combinations that were minimized.
+    near : bool
+        Whether it began at atoms that were given, or carried over from a template.
     """
 
     gap: Gap
@@ -96,6 +98,7 @@ class StrandModel(Record):
     checks: Checks
     waters: NDArray[np.int64]
     attempts: int
+    near: bool = False
 
     def __repr__(self) -> str:
         state = "sound" if self.checks.sound else f"not sound ({'; '.join(self.checks.wrong)})"
@@ -123,6 +126,7 @@ def build_strand(
     atoms: HeavyAtoms,
     *,
     near: Mapping[str, Mapping[str, Array]] | None = None,
+    templates: Sequence[Monomer] = (),
     contact: str | None = None,
     tries: int = 1,
     max_steps: int = 5000,
@@ -142,6 +146,9 @@ def build_strand(
     near : mapping of str to mapping of str to (3,) array, optional
         By labels and names of atoms, where atoms are to stay as near as the chemistry allows, Å.
         The line and its turns are then no start, but for atoms that are not named here.
+    templates : sequence of Monomer, optional
+        One for each nucleotide of the strand, with its atoms: where sugars and bases start. The
+        line is searched where this leads to nothing sound.
     contact : {"sheared", "watson-crick"}, optional
         Contact of the first and the last nucleotide to be sought; see :func:`.turn.turned`.
     tries : int
@@ -171,10 +178,13 @@ def build_strand(
     check_contact(contact)
     site = gap_site(gap, line, atoms)
     local = LocalCurve(line, site.origin, site.frame)
-    if near is None:
-        best, _, attempts = best_on(site, local, limits, contact=contact)
+    if near is not None:
+        best, attempts = best_near(site, local, limits, site.given(near))
+    elif templates:
+        start = site.given(grafts(site, templates))
+        best, _, attempts = best_from(site, local, limits, start, contact=contact)
     else:
-        best, attempts = best_near(site, local, limits, _local(site, near))
+        best, _, attempts = best_on(site, local, limits, contact=contact)
     positions = site.in_file(best.relaxed.positions_A)
     return StrandModel(
         gap,
@@ -187,6 +197,7 @@ def build_strand(
         best.checks,
         _waters(atoms, positions[site.moving]),
         attempts,
+        best.near,
     )
 
 
@@ -235,16 +246,6 @@ def complete_nucleotide(
     # a nucleotide at an end of its chain has but one neighbour
     gap = Gap((monomer,), before, after)  # type: ignore[arg-type]
     return build_strand(gap, curve, atoms, **options)
-
-
-def _local(site: Site, near: Mapping[str, Mapping[str, Array]]) -> Array:
-    """Given positions (N, 3) in the frame of a site; NaN where none is given."""
-    nowhere = np.full(3, np.nan)
-    given = [
-        near.get(site.labels[k], {}).get(name, nowhere)
-        for name, k in zip(site.molecule.names, site.molecule.residue, strict=True)
-    ]
-    return np.asarray((np.array(given) - site.origin) @ site.frame)
 
 
 def _waters(atoms: HeavyAtoms, built: Array) -> NDArray[np.int64]:

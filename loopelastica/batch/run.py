@@ -38,6 +38,8 @@ class Task:
         Folder of the run.
     file : str
         The path as the user gave it, for tables and sentences.
+    beside : tuple of str
+        Further files that the result depends on, such as a template.
     """
 
     source: str
@@ -45,6 +47,7 @@ class Task:
     options: dict[str, Any]
     out: str
     file: str
+    beside: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return self.source
@@ -65,17 +68,23 @@ class Task:
     def key(self) -> str:
         """Digest of the file's content and of all that determines the result."""
         digest = hashlib.sha256()
-        try:
-            # a pipe would block
-            if not Path(self.source).is_file():
-                raise OSError
-            with Path(self.source).open("rb") as file:
-                digest.update(hashlib.file_digest(file, "sha256").digest())
-        except OSError:
-            digest.update(b"unreadable")
+        for file in (self.source, *self.beside):
+            digest.update(_content(file))
         what = [self.source, self.number, self.options, __version__]
         digest.update(json.dumps(what, sort_keys=True).encode())
         return digest.hexdigest()[:24]
+
+
+def _content(file: str) -> bytes:
+    """Digest of a file's content."""
+    try:
+        # a pipe would block
+        if not Path(file).is_file():
+            raise OSError
+        with Path(file).open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").digest()
+    except OSError:
+        return b"unreadable"
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +174,12 @@ def distinct(sources: Iterable[str | Path]) -> tuple[list[str], list[str]]:
     return list(first.values()), notes
 
 
-def tasks_of(sources: Iterable[str | Path], options: dict[str, Any], out: Path) -> list[Task]:
+def tasks_of(
+    sources: Iterable[str | Path],
+    options: dict[str, Any],
+    out: Path,
+    beside: Iterable[str | None] = (),
+) -> list[Task]:
     """One task per file.
 
     Parameters
@@ -176,18 +190,21 @@ def tasks_of(sources: Iterable[str | Path], options: dict[str, Any], out: Path) 
         Options of the work, JSON-ready.
     out : Path
         Folder of the run.
+    beside : iterable of str or None
+        Further files that all results depend on; None counts for none.
 
     Returns
     -------
     list of Task
     """
+    further = tuple(os.path.abspath(file) for file in beside if file is not None)
     seen: dict[str, int] = {}
     tasks = []
     for source in map(str, sources):
         stem = safe_stem(Path(source))
         seen[stem] = seen.get(stem, 0) + 1
         absolute, folder = os.path.abspath(source), os.path.abspath(out)
-        tasks.append(Task(absolute, seen[stem], options, folder, source))
+        tasks.append(Task(absolute, seen[stem], options, folder, source, further))
     return tasks
 
 

@@ -24,6 +24,14 @@ _Repair = Annotated[
         " strand. Without it no existing atom moves.",
     ),
 ]
+_Like = Annotated[
+    str | None,
+    typer.Option(
+        help="Strand of another structure that these are like, by the nucleotides before and after"
+        " it, FILE:A.4-A.9; or FILE, any with the same letters, else its hairpin loops.",
+        show_default=False,
+    ),
+]
 _Candidates = Annotated[int, typer.Option(help="Most models per strand.", min=1)]
 
 
@@ -33,6 +41,7 @@ def fill(
     strand: _Strands = None,
     repair: _Repair = False,
     candidates: _Candidates = 1,
+    like: _Like = None,
     max_size: o.MaxSize = None,
     max_atoms: o.MaxAtoms = None,
     jobs: o.Jobs = None,
@@ -47,6 +56,7 @@ def fill(
     from loopelastica.batch.fills import FILLS
     from loopelastica.batch.run import distinct, run, tasks_of
     from loopelastica.filling.options import FillOptions
+    from loopelastica.folding.like import check_strands, file_of
     from loopelastica.report.tables import console, fill_table
 
     o.refuse(o.either(jobs, scheduler))
@@ -56,9 +66,14 @@ def fill(
             strands=strand or None,
             repair=repair,
             candidates=candidates,
+            like=like,
             **o.limits(max_size, max_atoms),
         )
-        tasks = tasks_of(files, options.to_dict(), out)
+    if options.like is not None:
+        # a template that is none fails once, not for each file
+        check_strands(options.like, (), options.limits)
+    with o.usage():
+        tasks = tasks_of(files, options.to_dict(), out, [file_of(options.like)])
         progress = len(files) > 1
         done = run(FILLS, tasks, out, jobs or 1, scheduler, progress, wording=in_options)
     if done.n_files > 1 or done.n_resumed:

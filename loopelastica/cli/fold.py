@@ -96,6 +96,11 @@ def fold(
             from loopelastica.atoms.turn import check_contact
 
             check_contact(contact)
+    if options.like is not None:
+        from loopelastica.folding.like import check_loops
+
+        # a template that is none fails once, not for each file
+        check_loops(options.like, (), options.limits)
     if many:
         _fold_many(files, out, options, plot, jobs or 1, scheduler)
     else:
@@ -112,10 +117,12 @@ def _fold_many(
 ) -> None:
     from loopelastica.batch.folds import FOLDS
     from loopelastica.batch.run import distinct, run, tasks_of
+    from loopelastica.folding.like import file_of
 
     files, notes = distinct(files)
     with o.usage():
-        tasks = tasks_of(files, {**options.to_dict(), "plot": plot}, out)
+        beside = (file_of(options.like), options.library)
+        tasks = tasks_of(files, {**options.to_dict(), "plot": plot}, out, beside)
         done = run(FOLDS, tasks, out, jobs, scheduler, progress=True, wording=in_options)
     tell(
         f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} candidates in"

@@ -30,7 +30,8 @@ from loopelastica.filling.result import (
     waters_of,
 )
 from loopelastica.folding.expected import expected_rmsd
-from loopelastica.folding.line import NEAR_A
+from loopelastica.folding.like import check_strands, remarks, strand_templates
+from loopelastica.folding.line import NEAR_A, LikeLine
 from loopelastica.folding.options import keywords
 from loopelastica.molecule.entry import Entry, read_entry
 from loopelastica.molecule.flanks import around
@@ -41,6 +42,7 @@ from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
 from loopelastica.molecule.refusals import Refusal, refusal
 from loopelastica.molecule.strand_ends import strand_ends
 from loopelastica.molecule.surroundings import heavy_atoms, symmetry_mates
+from loopelastica.molecule.templates import Template
 
 MATE_A: Final = 3.0
 """Mates in the crystal nearer than this are told."""
@@ -148,6 +150,8 @@ class _Filler:
     def __init__(self, entry: Entry, model: int, options: FillOptions) -> None:
         self.entry, self.model, self.options = entry, model, options
         self.found = _found(entry, model, options)
+        if options.like is not None:
+            check_strands(options.like, self.found.gaps, options.limits)
         replaced = {m.label for gap in self.found.gaps for m in gap.replaces}
         self.given = heavy_atoms(entry, model)
         self.atoms = self.given.without(replaced)
@@ -206,7 +210,8 @@ class _Filler:
     def _filled(self, gap: Gap) -> FilledStrand:
         ends = strand_ends(gap)
         crowded = crowding(ends, self.atoms.positions_A[obstacles(gap, ends, self.atoms)])
-        models = strand_models(gap, ends, self.atoms, self.options.candidates)
+        templates, unlike = self._templates(gap)
+        models = strand_models(gap, ends, self.atoms, self.options.candidates, templates)
         candidates = tuple(
             FilledCandidate(
                 rank,
@@ -230,9 +235,17 @@ class _Filler:
             distance_A=ends.distance_A,
             length_A=ends.length_A,
             crowding=crowded,
-            remarks=(*gap.remarks, *_remarks(gap, candidates[0])),
+            remarks=(*gap.remarks, *unlike, *_remarks(gap, candidates[0], bool(templates))),
             nucleotides=len(gap),
         )
+
+    def _templates(self, gap: Gap) -> tuple[tuple[Template, ...], tuple[str, ...]]:
+        """What a strand is to be like, and what is to be said of that."""
+        like = self.options.like
+        if like is None:
+            return (), ()
+        found = strand_templates(like, gap, self.options.limits)
+        return found, tuple(remarks(like, "strand", gap.name, len(gap), found))
 
     def _refused(self, found: Refusal) -> FilledStrand:
         return FilledStrand(
@@ -300,7 +313,9 @@ def _left(incomplete: Sequence[Incomplete]) -> Iterator[str]:
         )
 
 
-def _remarks(gap: Gap, first: FilledCandidate) -> Iterator[str]:
+def _remarks(gap: Gap, first: FilledCandidate, like: bool) -> Iterator[str]:
+    if like and not isinstance(first.line, LikeLine):
+        yield f"{gap.name}: no model that is like its template is sound; it is made without"
     near = first.line.nearest_A
     if near is not None and near < NEAR_A:
         yield (

@@ -9,12 +9,14 @@ from typing import Final
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
-from loopelastica.atoms.carry import Line
+from loopelastica.atoms.carry import ChainCurve, Curve, Line
 from loopelastica.atoms.strand import StrandModel, build_strand
-from loopelastica.folding.line import StrandLine, strand_lines
+from loopelastica.folding.line import LikeLine, StrandLine, like_lines, strand_lines
+from loopelastica.molecule.ends import ClosingPoses
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
 from loopelastica.molecule.strand_ends import StrandEnds, strand_ends
-from loopelastica.molecule.strands import ideal_strand
+from loopelastica.molecule.strands import Strand, ideal_strand
+from loopelastica.molecule.templates import Template
 
 SPARE: Final = 4
 """Lines that are tried where no model on the first one is sound."""
@@ -25,9 +27,15 @@ MAX_SECONDS: Final = 10.0
 
 
 def strand_models(
-    gap: Gap, ends: StrandEnds, atoms: HeavyAtoms, most: int = 1
-) -> list[tuple[StrandLine, StrandModel]]:
+    gap: Gap,
+    ends: StrandEnds,
+    atoms: HeavyAtoms,
+    most: int = 1,
+    templates: Sequence[Template] = (),
+) -> list[tuple[StrandLine | LikeLine, StrandModel]]:
     """Lines of a strand with atoms on them: sound models first, then the order of the lines.
+
+    Templates come before rods, which are tried where they leave something to be wished.
 
     Parameters
     ----------
@@ -39,16 +47,31 @@ def strand_models(
         All that is there.
     most : int
         How many at most.
+    templates : sequence of Template
+        Of as many nucleotides.
 
     Returns
     -------
-    list of (StrandLine, StrandModel)
+    list of (StrandLine or LikeLine, StrandModel)
 
     Raises
     ------
     StructureError
         If no line was found, or a base is unknown.
     """
+    models: list[tuple[StrandLine | LikeLine, StrandModel]] = [
+        (line, _like(line, gap, atoms)) for line in like_lines(gap, ends, atoms, templates)
+    ]
+    sound = sum(model.checks.sound for _, model in models)
+    if sound < most:
+        models += _on_rods(gap, ends, atoms, most - sound)
+    return sorted(models, key=lambda pair: not pair[1].checks.sound)[:most]
+
+
+def _on_rods(
+    gap: Gap, ends: StrandEnds, atoms: HeavyAtoms, most: int
+) -> list[tuple[StrandLine, StrandModel]]:
+    """Rods in their surroundings with atoms on them; more where none is sound."""
     lines = strand_lines(gap, ends, atoms, max(most, SPARE))
     models = [(line, _on(line, gap, atoms)) for line in lines[:most]]
     if not any(model.checks.sound for _, model in models):
@@ -56,7 +79,7 @@ def strand_models(
             models.append((line, _on(line, gap, atoms)))
             if models[-1][1].checks.sound:
                 break
-    return sorted(models, key=lambda pair: not pair[1].checks.sound)[:most]
+    return models
 
 
 def _others(
@@ -70,9 +93,24 @@ def _others(
 
 def _on(line: StrandLine, gap: Gap, atoms: HeavyAtoms) -> StrandModel:
     """Atoms on a line."""
-    is_dna = sum(monomer.is_dna for monomer in gap.monomers) > len(gap) / 2
-    between = Line.between(line.rod, line.ends, ideal_strand(is_dna))
+    between = Line.between(line.rod, line.ends, _strand(gap))
     return build_strand(gap, _InFile(between, line.ends), atoms, max_seconds=MAX_SECONDS)
+
+
+def _like(line: LikeLine, gap: Gap, atoms: HeavyAtoms) -> StrandModel:
+    """Atoms on a template, from its own where it has as many nucleotides."""
+    chain = line.deformed.line
+    return build_strand(
+        gap,
+        _InFile(ChainCurve.of(chain, _strand(gap)), chain.poses),
+        atoms,
+        templates=line.deformed.carried,
+        max_seconds=MAX_SECONDS,
+    )
+
+
+def _strand(gap: Gap) -> Strand:
+    return ideal_strand(sum(monomer.is_dna for monomer in gap.monomers) > len(gap) / 2)
 
 
 def first_model(gap: Gap, atoms: HeavyAtoms) -> StrandModel:
@@ -100,7 +138,7 @@ def first_model(gap: Gap, atoms: HeavyAtoms) -> StrandModel:
 class _InFile:
     """A line of a start frame in the coordinates of the file."""
 
-    def __init__(self, line: Line, ends: StrandEnds) -> None:
+    def __init__(self, line: Curve, ends: StrandEnds | ClosingPoses) -> None:
         self._line, self._ends = line, ends
 
     def at(self, phases: ArrayLike) -> tuple[Array, Array]:

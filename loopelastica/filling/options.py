@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from loopelastica._checks import flag, positive, whole
+from loopelastica._checks import flag, optional, positive, whole
 from loopelastica.folding.options import Options, option
 from loopelastica.molecule.reading import MAX_ATOMS, MAX_SIZE_MB, Limits
 from loopelastica.molecule.requests import requests
+from loopelastica.molecule.selection import likeness
 
 
 def _strands(argument: str, value: Any) -> tuple[str, ...] | None:
@@ -32,6 +33,10 @@ class FillOptions(Options):
         strand. Otherwise no existing atom moves.
     candidates : int
         Most models of each strand, 1 or more; the first is the one that is expected to be nearest.
+    like : str, optional
+        A strand of another structure that these are like, by the nucleotides before and after it,
+        "FILE:A.4-A.9"; or "FILE", any strand of it with the same letters, else its hairpin loops.
+        Those of equal length are deformed onto the ends and lend their sugars and bases.
     max_size_MB, max_atoms : float, int
         How large a file may be: megabytes after decompression, atoms of a model.
     """
@@ -39,6 +44,7 @@ class FillOptions(Options):
     strands: str | Sequence[str] | None = option(None, _strands)
     repair: bool = option(False, flag)
     candidates: int = option(1, whole(1))
+    like: str | None = option(None, optional(likeness))
     max_size_MB: float = option(MAX_SIZE_MB, positive)
     max_atoms: int = option(MAX_ATOMS, whole(1))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import whole
-from loopelastica.folding.line import StrandLine
+from loopelastica.folding.line import LikeLine, StrandLine
 from loopelastica.molecule.nucleotides import enumerated
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ class FilledCandidate(Record):
     ----------
     rank : int
         1 for the one that is expected to be nearest.
-    line : StrandLine
+    line : StrandLine or LikeLine
         The line it was built on: energy, contacts, nearest atom.
     atoms : StrandModel
         Its atoms and what was measured on them.
@@ -45,7 +45,7 @@ class FilledCandidate(Record):
     """
 
     rank: int
-    line: StrandLine
+    line: StrandLine | LikeLine
     atoms: StrandModel
     expected_rmsd_A: Array
     waters: tuple[Removed, ...] = ()
@@ -56,13 +56,18 @@ class FilledCandidate(Record):
         return self.atoms.checks.sound
 
     @property
+    def shape(self) -> str:
+        """What its line is, such as "like 1zih A.4-A.9"."""
+        return self.line.shape
+
+    @property
     def trace(self) -> Array:
         """Line point (n, 3) of each nucleotide in the coordinates of the file, Å."""
         return self.line.trace
 
     def __repr__(self) -> str:
         sound = "sound" if self.sound else "not sound"
-        return f"<FilledCandidate {self.rank}: {self.line.shape}, {sound}>"
+        return f"<FilledCandidate {self.rank}: {self.shape}, {sound}>"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -124,6 +129,11 @@ class FilledStrand(Record):
     def sound(self) -> bool | None:
         """Whether the first candidate is sound; None where there is none."""
         return self.candidates[0].sound if self.candidates else None
+
+    @property
+    def shape(self) -> str | None:
+        """Of the first candidate; None where there is none."""
+        return self.candidates[0].shape if self.candidates else None
 
     @property
     def expected_rmsd_A(self) -> Array | None:

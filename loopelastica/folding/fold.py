@@ -14,6 +14,7 @@ from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.folding.clamping import clamped_ends, clamping_of
 from loopelastica.folding.hypotheses import Scene, hypotheses, scene_of
+from loopelastica.folding.like import check_loops, loop_templates, remarks
 from loopelastica.folding.options import FoldOptions, keywords
 from loopelastica.folding.rank import rank
 from loopelastica.folding.result import LoopFold, with_models
@@ -83,6 +84,8 @@ def fold_hairpins(
     list of LoopFold
         One per hairpin.
     """
+    if options.like is not None:
+        check_loops(options.like, hairpins, options.limits)
     folds: list[list[LoopFold]] = [[] for _ in hairpins]
     scene = scene_of(structure, options) if hairpins else Scene()
     for positions in structure.models():
@@ -139,7 +142,7 @@ def fold_model(
         clamping=clamping,
         backbone_A=backbone_A,
         unseen=rods.unseen,
-        remarks=tuple(_remarks(hairpin, ends, backbone_A)),
+        remarks=tuple(_remarks(hairpin, ends, backbone_A, options)),
     )
 
 
@@ -154,7 +157,9 @@ def _rods(hairpin: Hairpin, clamping: Clamping, options: FoldOptions) -> Equilib
     return rods
 
 
-def _remarks(hairpin: Hairpin, ends: StemEnds, backbone_A: Array | None) -> Iterator[str]:
+def _remarks(
+    hairpin: Hairpin, ends: StemEnds, backbone_A: Array | None, options: FoldOptions
+) -> Iterator[str]:
     if not ends.regular:
         yield f"{hairpin.label}: {ends.misfit}; the clamp means little"
     if backbone_A is None:
@@ -162,3 +167,6 @@ def _remarks(hairpin: Hairpin, ends: StemEnds, backbone_A: Array | None) -> Iter
             f"{hairpin.label}: the file lacks backbone atoms of the loop, so the trace is compared"
             " with nothing"
         )
+    if options.like is not None:
+        templates = loop_templates(options.like, len(hairpin), options.limits)
+        yield from remarks(options.like, "loop", hairpin.label, len(hairpin), templates)

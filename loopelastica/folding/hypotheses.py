@@ -1,6 +1,7 @@
 """What a loop may look like: each answer a line with its shape, its place and its expected error.
 
-Answers that differ in what they assume come first (:meth:`.known.Known.answers`): loops of the same
+Templates that a user names come first, then answers that differ in what they assume
+(:meth:`.known.Known.answers`): loops of the same
 sequence, motif or length, the rod by the rule, the rod in its surroundings, single loops of the
 library. The other equilibria of one clamp differ from the first in their turns alone; they are
 last.
@@ -13,17 +14,27 @@ from dataclasses import dataclass
 from typing import Final
 
 from loopelastica._arrays import Array, Record
-from loopelastica.folding.known import Answer, Known, known_shapes, library_at, usable_shapes
+from loopelastica.folding.known import (
+    Answer,
+    Known,
+    known_shapes,
+    library_at,
+    rod_answers,
+    usable_shapes,
+)
 from loopelastica.folding.library import Library
+from loopelastica.folding.like import MOST, loop_templates
 from loopelastica.folding.lines import CandidateLine, RodLine, chain_lines
 from loopelastica.folding.motifs import Motif, errors_of, motif_of, of_length, typical_spread_A
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.surroundings import SURROUNDED, rods_among
+from loopelastica.folding.template import Deformed, deformed
 from loopelastica.molecule.ends import ClosingPoses, FittedStem, StemEnds
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.identity import entries_of
 from loopelastica.molecule.neighbours import Neighbours, neighbours
 from loopelastica.molecule.nucleotides import Structure
+from loopelastica.molecule.polymer import Monomer
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.rod.equilibrium import Equilibrium
 
@@ -47,12 +58,16 @@ class Hypothesis(Record):
         10, 50 and 90 % of its error, Å.
     place : int
         In the default order, from 0; equal ones are ordered by energy.
+    carried : tuple of Monomer
+        Nucleotides of a template where the line takes them, in the coordinates of the file; empty
+        where there is none.
     """
 
     line: CandidateLine
     shape: str
     expected_rmsd_A: Array
     place: int
+    carried: tuple[Monomer, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Hypothesis {self.place}: {self.shape}>"
@@ -146,15 +161,28 @@ def hypotheses(
     answers = (
         _tabled(hairpin, poses, options, straight, bent)
         if known is None
-        else known.answers([x.trace for x in straight], [x.trace for x in bent])
+        else known.answers(straight, bent)
     )
-    found = []
-    for place, answer in enumerate(answers):
+    n = len(hairpin)
+    found: list[Hypothesis] = []
+    for one in _like(hairpin, poses, options):
+        spread_A = _spread_A(known, one.line.trace, n)
+        expected = one.errors.at(spread_A, one.line.energy, n)
+        found.append(Hypothesis(one.line, one.shape, expected, len(found), one.carried))
+    for answer in answers:
         line = lines[answer.rod] if answer.line is None else answer.line
-        spread_A = _spread_A(known, answer.trace_A, len(hairpin))
-        expected = errors_of(answer.kind).at(spread_A, len(hairpin))
-        found.append(Hypothesis(line, _called(answer), expected, place))
+        spread_A = _spread_A(known, answer.trace_A, n)
+        expected = errors_of(answer.kind).at(spread_A, answer.energy, n)
+        found.append(Hypothesis(line, _called(answer), expected, len(found)))
     return tuple(found)
+
+
+def _like(hairpin: Hairpin, poses: ClosingPoses, options: FoldOptions) -> list[Deformed]:
+    """The loops of the structure that a user names, before all else."""
+    if options.like is None:
+        return []
+    templates = loop_templates(options.like, len(hairpin), options.limits)
+    return deformed(templates, poses, hairpin.sequence, hairpin.is_dna)[:MOST]
 
 
 def straight_rods(
@@ -176,9 +204,15 @@ def straight_rods(
     tuple of Hypothesis
     """
     n = len(hairpin)
-    expected = [errors_of(kind).at(typical_spread_A(n), n) for kind in ("rod", "further rod")]
+    spread_A = typical_spread_A(n)
     return tuple(
-        Hypothesis(RodLine(rod, ends), STRAIGHT, expected[k > 0], k) for k, rod in enumerate(rods)
+        Hypothesis(
+            RodLine(rod, ends),
+            STRAIGHT,
+            errors_of("further rod" if k else "rod").at(spread_A, rod.energy, n),
+            k,
+        )
+        for k, rod in enumerate(rods)
     )
 
 
@@ -212,11 +246,8 @@ def _tabled(
     bent: Sequence[RodLine],
 ) -> list[Answer]:
     """Answers without a library: the mean of the motif or the length, then the rods."""
-    rods = [
-        *(Answer("rod" if k == 0 else "further rod", x.trace, rod=k)
-          for k, x in enumerate(straight)),
-        *(Answer(SURROUNDED, x.trace, rod=len(straight) + k) for k, x in enumerate(bent)),
-    ]  # fmt: skip
+    first, among = rod_answers(straight, bent)
+    rods = [*first, *among]
     # whether its loops are relatives of this one nobody can say of a mean
     if options.shapes == "rod" or options.exclude_relatives:
         return rods
@@ -226,7 +257,7 @@ def _tabled(
     (line,) = (None,) if mean is None else chain_lines([mean.shape], poses, hairpin.is_dna)
     if line is None:
         return rods
-    answer = Answer(kind, line.trace, line)
+    answer = Answer(kind, line.trace, line.energy, line)
     return [rods[0], answer, *rods[1:]] if hairpin.is_dna else [answer, *rods]
 
 

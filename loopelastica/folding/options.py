@@ -26,7 +26,7 @@ from loopelastica._checks import (
 )
 from loopelastica.molecule.clamp_rule import RNA_TAPER
 from loopelastica.molecule.nucleotides import MAX_ATOMS, MAX_SIZE_MB, Limits
-from loopelastica.molecule.selection import brackets, places
+from loopelastica.molecule.selection import brackets, likeness, places
 
 TAPER_MAX = 0.3
 """Beyond, the continued strand would turn straight to its axis."""
@@ -152,10 +152,15 @@ class FoldOptions(LoopOptions):
     all_models: bool = option(True, flag)
     shapes: str = option("all", one_of("all", "rod"))
     rank: str = option("default", one_of("default", "energy"))
-    like: str | None = option(None, optional(file_name))
+    like: str | None = option(None, optional(likeness))
     library: str | None = option(None, optional(file_name))
     exclude_relatives: bool = option(False, flag)
     surroundings: bool = option(True, flag)
+
+    def __post_init__(self) -> None:
+        Options.__post_init__(self)
+        if self.like is not None and self.shapes == "rod":
+            raise ValueError("`like` goes without `shapes` 'rod', which takes no shape of a loop")
 
     @property
     def clamp(self) -> dict[str, Any]:

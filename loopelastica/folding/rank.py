@@ -14,6 +14,7 @@ from loopelastica._arrays import Array, Record, read_only
 from loopelastica.folding.hypotheses import Hypothesis
 from loopelastica.folding.lines import CandidateLine, Rod, RodLine
 from loopelastica.molecule.contacts import Contacts, contacts
+from loopelastica.molecule.polymer import Monomer
 from loopelastica.molecule.trace import rmsd_A
 
 
@@ -48,6 +49,9 @@ class Candidate(Record):
     rmsd_models_A : (n_models,) ndarray
         The same for each model: its own clamp, its own prediction of this rank, its own loop;
         inf where the model has none. Empty where the file has no loop.
+    carried : tuple of Monomer
+        Nucleotides of a template with their atoms, where the line takes them, Å; empty where it is
+        no template of equal length.
     """
 
     rank: int
@@ -61,6 +65,7 @@ class Candidate(Record):
     expected_rmsd_A: Array
     rmsd_A: float | None
     rmsd_models_A: Array
+    carried: tuple[Monomer, ...] = ()
 
     @property
     def rod(self) -> Rod | None:
@@ -145,6 +150,7 @@ def rank(
                 read_only(one.expected_rmsd_A),
                 rmsd,
                 read_only([] if rmsd is None else [rmsd]),
+                one.carried,
             )
         )
     return tuple(candidates)

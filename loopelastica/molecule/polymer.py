@@ -125,6 +125,11 @@ class Gap(Record):
         return "".join(monomer.letter for monomer in self.monomers)
 
     @property
+    def context(self) -> str:
+        """The same, with the nucleotides before and after."""
+        return f"{self.before.letter}{self.sequence}{self.after.letter}"
+
+    @property
     def kind(self) -> str:
         """Sugars of what is built: "RNA", "DNA" or "DNA/RNA"."""
         kinds = {"DNA" if monomer.is_dna else "RNA" for monomer in self.monomers}

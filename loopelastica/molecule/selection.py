@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from loopelastica._checks import shown, texts
+from loopelastica._checks import file_name, shown, texts
 from loopelastica._checks import text as _text
 from loopelastica.errors import StructureError
 from loopelastica.molecule.nucleotides import Nucleotides, enumerated
@@ -26,6 +27,7 @@ _PLACE = re.compile(
 # The hyphen between two places is the first one after a number.
 _TWO = re.compile(r"(.*?\d[A-Za-z]?)\s*[-–]\s*(.+)")
 _LONGEST = 100
+_NO_CHAIN = re.compile(r"(^|[-–]\s*)_\.?(?=-?\d)")
 _SEPARATORS = re.compile(r"[\s&+|]")
 
 
@@ -77,6 +79,55 @@ def two_places(argument: str, text: str) -> tuple[Place, Place]:
     if len(places) != 2:
         raise ValueError(f"`{argument}` is {shown(text)}; it must be like A.12-A.25 or A.12-25")
     return places[0], places[1]
+
+
+class Like(NamedTuple):
+    """What a user wants a strand to be like.
+
+    Attributes
+    ----------
+    text : str
+        As it was written.
+    file : str
+        The structure.
+    pair : str or None
+        The nucleotides before and after the strand, such as "A.4-A.9"; None: any of the file.
+    """
+
+    text: str
+    file: str
+    pair: str | None
+
+    @classmethod
+    def of(cls, argument: str, text: str) -> Like:
+        """Read "FILE" or "FILE:A.4-A.9".
+
+        A colon may be part of the file's name: what is after the last one counts as a pair where it
+        looks like one and no file has the whole name. ValueError that names `argument` where it is
+        none, and the file is there.
+
+        >>> Like.of("like", "1zih.pdb:A.4-A.9")[1:], Like.of("like", "C:/1zih.pdb")[1:]
+        (('1zih.pdb', 'A.4-A.9'), ('C:/1zih.pdb', None))
+        """
+        file, colon, pair = text.rpartition(":")
+        if not (colon and file) or Path(text).exists():
+            return cls(text, text, None)
+        pair = _NO_CHAIN.sub(r"\1", pair.strip())
+        try:
+            two_places(argument, pair)
+        except ValueError:
+            if not Path(file).is_file():
+                return cls(text, text, None)
+            raise ValueError(
+                f"`{argument}` is {shown(text)}; after the file comes the closing pair of its"
+                " loop, like A.4-A.9"
+            ) from None
+        return cls(text, file, pair)
+
+
+def likeness(name: str, value: Any) -> str:
+    """The check of what a strand is to be like: "FILE" or "FILE:A.4-A.9"."""
+    return Like.of(name, file_name(name, value)).text
 
 
 def one_place(text: str) -> Place | None:

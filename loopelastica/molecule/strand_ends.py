@@ -20,7 +20,7 @@ import numpy as np
 from loopelastica._arrays import Array, Record
 from loopelastica.errors import StructureError
 from loopelastica.molecule.clamp_rule import StemClamp
-from loopelastica.molecule.ends import superpose
+from loopelastica.molecule.ends import ClosingPoses, superpose
 from loopelastica.molecule.polymer import Gap, Monomer
 from loopelastica.molecule.refusals import check_span
 from loopelastica.molecule.strands import ideal_strand, line_frame, strand_atoms
@@ -129,6 +129,45 @@ def flank_end(monomer: Monomer, after: bool) -> tuple[Array, Array, float]:
     StructureError
         If the nucleotide lacks C4' or has fewer than four backbone atoms.
     """
+    rotation, shift, rms_A = _laid_on(monomer)
+    point, frame = line_frame(ideal_strand(monomer.is_dna), -0.5 if after else 0.5)
+    offset, tangent = (np.array(values) for values in MEAN_ENDS[monomer.is_dna, after])
+    d3 = frame @ tangent
+    d3 /= np.linalg.norm(d3)
+    d1 = frame[:, 0] - (frame[:, 0] @ d3) * d3
+    d1 /= np.linalg.norm(d1)
+    own = np.stack([d1, np.cross(d3, d1), d3], axis=1)
+    return rotation @ (point + frame @ offset) + shift, rotation @ own, rms_A
+
+
+def flank_poses(before: Monomer, after: Monomer) -> ClosingPoses:
+    """Point and frame of the ideal line at the two nucleotides that flank a strand.
+
+    Parameters
+    ----------
+    before, after : Monomer
+        The flanking nucleotides.
+
+    Returns
+    -------
+    ClosingPoses
+        In the coordinates of the file.
+
+    Raises
+    ------
+    StructureError
+        As :func:`flank_end`.
+    """
+    poses: list[Array] = []
+    for monomer in (before, after):
+        rotation, shift, _ = _laid_on(monomer)
+        point, frame = line_frame(ideal_strand(monomer.is_dna), 0.0)
+        poses += [rotation @ point + shift, rotation @ frame]
+    return ClosingPoses(*poses)
+
+
+def _laid_on(monomer: Monomer) -> tuple[Array, Array, float]:
+    """Rotation, shift and misfit of the ideal nucleotide on one that flanks a strand."""
     if not monomer.usable:
         raise StructureError(
             f"{monomer.label}: it lacks C4' or has fewer than four backbone atoms; no strand can"
@@ -137,15 +176,7 @@ def flank_end(monomer: Monomer, after: bool) -> tuple[Array, Array, float]:
     strand = ideal_strand(monomer.is_dna)
     real = monomer.backbone_A
     present = np.isfinite(real).all(axis=1)
-    rotation, shift, rms_A = superpose(strand_atoms(strand, 0)[present], real[present])
-    point, frame = line_frame(strand, -0.5 if after else 0.5)
-    offset, tangent = (np.array(values) for values in MEAN_ENDS[monomer.is_dna, after])
-    d3 = frame @ tangent
-    d3 /= np.linalg.norm(d3)
-    d1 = frame[:, 0] - (frame[:, 0] @ d3) * d3
-    d1 /= np.linalg.norm(d1)
-    own = np.stack([d1, np.cross(d3, d1), d3], axis=1)
-    return rotation @ (point + frame @ offset) + shift, rotation @ own, rms_A
+    return superpose(strand_atoms(strand, 0)[present], real[present])
 
 
 def line_length(n: int, distance_A: float, is_dna: bool = False) -> float:

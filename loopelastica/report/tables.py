@@ -101,7 +101,7 @@ def fill_table(rows: "Iterable[Mapping[str, Any]]", out: Path) -> Table:
         f"Strands, with the error to expect (80 % of cases); structures in {printable(str(out))}"
     )
     table = Table(title=title, title_justify="left")
-    for name in ("folder", "strand", "sequence"):
+    for name in ("folder", "strand", "sequence", "shape"):
         table.add_column(name, overflow="fold")
     for name in ("expected (Å)", "sound"):
         table.add_column(name, justify="right")
@@ -126,6 +126,7 @@ def fill_table(rows: "Iterable[Mapping[str, Any]]", out: Path) -> Table:
             "" if folder == shown else folder,
             f"{row['chain']}.{name}" if row["chain"] else name,
             row["sequence"],
+            row["shape"] or "",
             expected,
             sound,
         )
@@ -208,7 +209,8 @@ def library_table(library: "Library") -> Table:
     """What a library holds, a row per kind and length."""
     import numpy as np
 
-    table = Table(title=f"{len(library)} loop shapes", title_justify="left")
+    shown = "1 loop shape" if len(library) == 1 else f"{len(library)} loop shapes"
+    table = Table(title=shown, title_justify="left")
     for name in ("kind", "nucleotides", "loops", "sequences", "entries", "most frequent"):
         table.add_column(name, justify="left" if name in ("kind", "most frequent") else "right")
     for kind, shapes in library.tables():
