@@ -49,9 +49,9 @@ def build_library(
             limits=Limits(**o.limits(max_size, max_atoms)),
             wording=in_options,
         )
-    tell(
-        f"{done.n_files} files ({done.n_resumed} were done before), {len(done.library)} loops in {out}"
-    )
+    files = "1 file" if done.n_files == 1 else f"{done.n_files} files"
+    loops = "1 loop" if len(done.library) == 1 else f"{len(done.library)} loops"
+    tell(f"{files} ({done.n_resumed} done before), {loops} in {out}")
     o.note(o.screenful(done.notes, "of the kind"))
     o.fail_of_many(done.failures, done.table.parent)
 

@@ -101,7 +101,9 @@ def sequence_distance(codes: NDArray[np.uint8], own: NDArray[np.uint8]) -> Array
     return np.asarray(((codes != own) * np.where(kept, SAME_CLASS, 1.0)) @ place)
 
 
-def weigh(energies: Array, distances: Array, copies: Array, contacts: Array, n: int) -> Array:
+def weigh(
+    energies: Array, distances: Array, copies: NDArray[np.int64], contacts: Array, n: int
+) -> Array:
     """Weights w (k,) of deformed shapes.
 
     Parameters

@@ -88,8 +88,8 @@ def expected_rmsd(line: StrandLine | LikeLine, crowding: float) -> Array:
     (3,) array
     """
     if isinstance(line, LikeLine):
-        n = len(line.deformed.template)
-        return line.deformed.errors.at(typical_spread_A(n), n)
+        n, one = len(line.deformed.template), line.deformed
+        return one.errors.at(typical_spread_A(n), one.line.energy, n)
     coefficients, quantiles = TABLE[length_class(line.ends.n)]
     middle = float(np.dot(coefficients, signs(line, crowding)))
     return read_only([max(math.exp(middle + q) - SHIFT_A, 0.0) for q in quantiles])

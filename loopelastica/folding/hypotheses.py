@@ -14,7 +14,14 @@ from dataclasses import dataclass
 from typing import Final
 
 from loopelastica._arrays import Array, Record
-from loopelastica.folding.known import Answer, Known, known_shapes, library_at, usable_shapes
+from loopelastica.folding.known import (
+    Answer,
+    Known,
+    known_shapes,
+    library_at,
+    rod_answers,
+    usable_shapes,
+)
 from loopelastica.folding.library import Library
 from loopelastica.folding.like import MOST, loop_templates
 from loopelastica.folding.lines import CandidateLine, RodLine, chain_lines
@@ -154,23 +161,19 @@ def hypotheses(
     answers = (
         _tabled(hairpin, poses, options, straight, bent)
         if known is None
-        else known.answers([x.trace for x in straight], [x.trace for x in bent])
+        else known.answers(straight, bent)
     )
-    found = [
-        Hypothesis(
-            one.line,
-            one.shape,
-            one.errors.at(_spread_A(known, one.line.trace, len(hairpin)), len(hairpin)),
-            place,
-            one.carried,
-        )
-        for place, one in enumerate(_like(hairpin, poses, options))
-    ]
-    for place, answer in enumerate(answers, start=len(found)):
+    n = len(hairpin)
+    found: list[Hypothesis] = []
+    for one in _like(hairpin, poses, options):
+        spread_A = _spread_A(known, one.line.trace, n)
+        expected = one.errors.at(spread_A, one.line.energy, n)
+        found.append(Hypothesis(one.line, one.shape, expected, len(found), one.carried))
+    for answer in answers:
         line = lines[answer.rod] if answer.line is None else answer.line
-        spread_A = _spread_A(known, answer.trace_A, len(hairpin))
-        expected = errors_of(answer.kind).at(spread_A, len(hairpin))
-        found.append(Hypothesis(line, _called(answer), expected, place))
+        spread_A = _spread_A(known, answer.trace_A, n)
+        expected = errors_of(answer.kind).at(spread_A, answer.energy, n)
+        found.append(Hypothesis(line, _called(answer), expected, len(found)))
     return tuple(found)
 
 
@@ -201,9 +204,15 @@ def straight_rods(
     tuple of Hypothesis
     """
     n = len(hairpin)
-    expected = [errors_of(kind).at(typical_spread_A(n), n) for kind in ("rod", "further rod")]
+    spread_A = typical_spread_A(n)
     return tuple(
-        Hypothesis(RodLine(rod, ends), STRAIGHT, expected[k > 0], k) for k, rod in enumerate(rods)
+        Hypothesis(
+            RodLine(rod, ends),
+            STRAIGHT,
+            errors_of("further rod" if k else "rod").at(spread_A, rod.energy, n),
+            k,
+        )
+        for k, rod in enumerate(rods)
     )
 
 
@@ -237,11 +246,8 @@ def _tabled(
     bent: Sequence[RodLine],
 ) -> list[Answer]:
     """Answers without a library: the mean of the motif or the length, then the rods."""
-    rods = [
-        *(Answer("rod" if k == 0 else "further rod", x.trace, rod=k)
-          for k, x in enumerate(straight)),
-        *(Answer(SURROUNDED, x.trace, rod=len(straight) + k) for k, x in enumerate(bent)),
-    ]  # fmt: skip
+    first, among = rod_answers(straight, bent)
+    rods = [*first, *among]
     # whether its loops are relatives of this one nobody can say of a mean
     if options.shapes == "rod" or options.exclude_relatives:
         return rods
@@ -251,7 +257,7 @@ def _tabled(
     (line,) = (None,) if mean is None else chain_lines([mean.shape], poses, hairpin.is_dna)
     if line is None:
         return rods
-    answer = Answer(kind, line.trace, line)
+    answer = Answer(kind, line.trace, line.energy, line)
     return [rods[0], answer, *rods[1:]] if hairpin.is_dna else [answer, *rods]
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +57,8 @@ class Answer(Record):
         In the table of errors.
     trace_A : (n, 3) array
         Its loop nucleotides in the coordinates of the file, Å.
+    energy : float
+        E L/K0 of its deformation.
     line : ChainLine or None
         None for a rod.
     rod : int
@@ -65,11 +67,39 @@ class Answer(Record):
 
     kind: str
     trace_A: Array
+    energy: float
     line: ChainLine | None = None
     rod: int = -1
 
     def __repr__(self) -> str:
         return f"<Answer {self.kind}>"
+
+
+class Traced(Protocol):
+    """A rod in the coordinates of the file."""
+
+    @property
+    def trace(self) -> Array:
+        """Its loop nucleotides (n, 3), Å."""
+
+    @property
+    def energy(self) -> float:
+        """E L/K0."""
+
+
+def rod_answers(
+    straight: Sequence[Traced], bent: Sequence[Traced]
+) -> tuple[list[Answer], list[Answer]]:
+    """Rods as answers, and those in their surroundings, which go on counting."""
+    rods = [
+        Answer("further rod" if k else "rod", x.trace, x.energy, rod=k)
+        for k, x in enumerate(straight)
+    ]
+    among = [
+        Answer("rod in its surroundings", x.trace, x.energy, rod=k)
+        for k, x in enumerate(bent, start=len(rods))
+    ]
+    return rods, among
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -104,7 +134,7 @@ class Known(Record):
     def __repr__(self) -> str:
         return f"<Known: {len(self.table)} shapes for {self.hairpin.name}>"
 
-    def answers(self, rods_A: Sequence[Array], surrounded_A: Sequence[Array] = ()) -> list[Answer]:
+    def answers(self, straight: Sequence[Traced], bent: Sequence[Traced] = ()) -> list[Answer]:
         """All answers, in the order that was measured to be best.
 
         The mean, the rod by the rule, the rod in its surroundings, single shapes that cover what
@@ -113,9 +143,9 @@ class Known(Record):
 
         Parameters
         ----------
-        rods_A : sequence of (n, 3) array
-            Traces of the rods of one clamp in the coordinates of the file, least energy first.
-        surrounded_A : sequence of (n, 3) array
+        straight : sequence of Traced
+            The rods of one clamp, least energy first.
+        bent : sequence of Traced
             Those in their surroundings.
 
         Returns
@@ -124,17 +154,13 @@ class Known(Record):
             For rods in their surroundings ``rod`` goes on counting.
         """
         first, kind = self._mean()
-        rods = [Answer("rod" if k == 0 else "further rod", x, rod=k) for k, x in enumerate(rods_A)]
-        among = [
-            Answer("rod in its surroundings", x, rod=len(rods) + k)
-            for k, x in enumerate(surrounded_A)
-        ]
-        answers = [Answer(kind, first.trace, first), *rods[:1], *among[:1]]
+        rods, among = rod_answers(straight, bent)
+        answers = [Answer(kind, first.trace, first.energy, first), *rods[:1], *among[:1]]
         if self.hairpin.is_dna and rods:
             mean = answers.pop(0)
-            answers[1:1] = [mean] if kind == "same sequence" else []
+            answers[1:1] = [mean] if self.same.any() else []
         for line in self._covering([one.trace_A for one in answers], FIRST - len(answers)):
-            answers.append(Answer("library", line.trace, line))
+            answers.append(Answer("library", line.trace, line.energy, line))
         return [*answers, *rods[1:], *among[1:]]
 
     def _mean(self) -> tuple[ChainLine, str]:
@@ -142,10 +168,10 @@ class Known(Record):
 
         A mean of deformed shapes fits this stem as it is: its energy is the mean of theirs.
         """
-        among, kind = self._basis()
+        among, kind, name = self._basis()
         share = self.weighted.among(among)
         n = int(among.sum())
-        name = f"mean of {n} loops" if kind == "mean" else f"{kind}, {n} loop{'s' * (n > 1)}"
+        name = f"mean of {n} loops" if not name else f"{name}, {n} loop{'s' * (n > 1)}"
         sequence = self.hairpin.sequence.replace("T", "U")
         shape = shape_between(share.mean_A, self.poses.local, sequence, self.hairpin.is_dna, name)
         line = self._line(shape)
@@ -161,16 +187,18 @@ class Known(Record):
         """Expected distance of the loop from an answer (n, 3) in the file's coordinates, Å."""
         return self.weighted.distance_A(self._local(trace_A))
 
-    def _basis(self) -> tuple[NDArray[np.bool_], str]:
+    def _basis(self) -> tuple[NDArray[np.bool_], str, str]:
+        """Which shapes the mean is over, its kind in the table of errors, and what it is called."""
         usable = self.weighted.weights > 0.0
         same = usable & self.same
-        if same.any():
-            return same, "same sequence"
         if self.motif is not None:
             of_motif = usable & self.motif.matches(self.table.letters)
+            name = f"motif {self.motif.name}"
+            if same.any():
+                return same, name, f"{name}, same sequence"
             if of_motif.any():
-                return of_motif, f"motif {self.motif.name}"
-        return usable, "mean"
+                return of_motif, name, name
+        return (same, *2 * ("same sequence",)) if same.any() else (usable, "mean", "")
 
     def _local(self, trace_A: Array) -> Array:
         return np.asarray((trace_A - self.poses.start_origin_A) @ self.poses.start_frame)

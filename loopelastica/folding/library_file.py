@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import errno
 import functools
+import io
 import json
 import os
 import re
@@ -36,6 +37,9 @@ from loopelastica.molecule.reading import first_line, name_of
 
 FORMAT: Final = 1
 _ABOUT: Final = "about"
+# the first entry of the archive, and where its name stands
+_HEAD: Final = f"{_ABOUT}.npy".encode()
+_NAME_AT: Final = 30
 _KIND: Final = re.compile(r"(RNA|DNA)([1-9]\d{0,3})")
 _LETTERS: Final = np.frombuffer(b"ABCDEFGHIJKLMNOPQRSTUVWXYZ?", dtype=np.uint8)
 
@@ -149,14 +153,18 @@ class _Tables:
 
 
 def _archive(path: Path) -> Any:
-    """The archive, which stays open: the file may be replaced while it is in use."""
+    """The archive, in memory as it is on disk: the file may be replaced while it is in use."""
     try:
-        archive = np.load(path, allow_pickle=False)
-        if _ABOUT in archive.files:
-            return archive
+        with path.open("rb") as file:
+            # before more is read of a file that may be anything
+            if file.read(len(_HEAD) + _NAME_AT)[_NAME_AT:] == _HEAD:
+                file.seek(0)
+                archive = np.load(io.BytesIO(file.read()), allow_pickle=False)
+                if _ABOUT in archive.files:
+                    return archive
     except PermissionError:
         raise LoopelasticaError(f"{name_of(path)}: no permission to read the file") from None
-    # no archive, half of one, or none of NumPy
+    # half an archive, or none of NumPy
     except Exception:
         archive = None
     raise LoopelasticaError(

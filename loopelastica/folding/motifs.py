@@ -22,6 +22,7 @@ from loopelastica.molecule.shapes import LoopShape
 
 SHIFT_A: Final = 0.05
 """Of errors before their logarithm is taken."""
+SHIFT_ENERGY: Final = 0.05
 CLASSES: Final = (
     (3, "3"), (4, "4"), (5, "5"), (6, "6"), (7, "7"), (9, "8-9"), (math.inf, "10-12"),
 )  # fmt: skip
@@ -81,11 +82,13 @@ def pattern_fits(pattern: str, codes: NDArray[np.uint8]) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Errors(Record):
-    """How far one kind of answer is off: log(error + 0.05 Å) = b0 + b1 log spread + a residual.
+    """How far one kind of answer is off.
+
+        log(error + 0.05 Å) = b · (1, log spread, log(E L/K0 + 0.05)) + a residual
 
     Attributes
     ----------
-    b : (2,) array
+    b : (3,) array
     quantiles : mapping of str to (3,) array
         10, 50 and 90 % of the residual by class of length (`CLASSES`).
     """
@@ -93,10 +96,25 @@ class Errors(Record):
     b: Array
     quantiles: Mapping[str, Array]
 
-    def at(self, spread_A: float, n: int) -> Array:
-        """10, 50 and 90 % of the error of an answer with that spread, (3,), Å."""
-        middle = self.b[0] + self.b[1] * math.log(max(spread_A, SHIFT_A))
+    def at(self, spread_A: float, energy: float, n: int) -> Array:
+        """10, 50 and 90 % of the error of an answer, (3,), Å.
+
+        Parameters
+        ----------
+        spread_A : float
+            Expected distance of the weighted shapes from it, Å.
+        energy : float
+            E L/K0 of its deformation.
+        n : int
+            Loop nucleotides.
+        """
+        middle = float(self.b @ signs(spread_A, energy))
         return read_only(np.maximum(np.exp(middle + self.quantiles[class_of(n)]) - SHIFT_A, 0.0))
+
+
+def signs(spread_A: float, energy: float) -> Array:
+    """What is known of an answer without the loop itself, (3,)."""
+    return np.array([1.0, math.log(max(spread_A, SHIFT_A)), math.log(energy + SHIFT_ENERGY)])
 
 
 def class_of(n: int) -> str:

@@ -209,7 +209,8 @@ def library_table(library: "Library") -> Table:
     """What a library holds, a row per kind and length."""
     import numpy as np
 
-    table = Table(title=f"{len(library)} loop shapes", title_justify="left")
+    shown = "1 loop shape" if len(library) == 1 else f"{len(library)} loop shapes"
+    table = Table(title=shown, title_justify="left")
     for name in ("kind", "nucleotides", "loops", "sequences", "entries", "most frequent"):
         table.add_column(name, justify="left" if name in ("kind", "most frequent") else "right")
     for kind, shapes in library.tables():

@@ -12,6 +12,7 @@ import csv
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from tqdm import tqdm
@@ -40,6 +41,13 @@ MOTIFS = {"GNRA": "GNRA", "UNCG": "UNCG"}
 """Motifs whose sequences are no relatives of each other by themselves."""
 
 
+class StudyRod(NamedTuple):
+    """A rod by the rule: its trace (n, 3) in the frame of the 5' closing nucleotide, its energy."""
+
+    trace: Array
+    energy: float
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class StudyLoop(Record):
     """One loop of the corpus.
@@ -53,8 +61,8 @@ class StudyLoop(Record):
         In the frame of the 5' closing nucleotide.
     native_A : (n, 3) array
         Its centroids in that frame, Å.
-    rods_A : tuple of (n, 3) array
-        Traces of rods by the rule in that frame, least energy first.
+    rods : tuple of StudyRod
+        Rods by the rule, least energy first.
     family : str
         What relatives share.
     motif : str
@@ -65,7 +73,7 @@ class StudyLoop(Record):
     hairpin: Hairpin
     poses: ClosingPoses
     native_A: Array
-    rods_A: tuple[Array, ...]
+    rods: tuple[StudyRod, ...]
     family: str
     motif: str
 
@@ -181,7 +189,10 @@ def _study_loop(
     fold = fold_model(
         structure.nucleotides, hairpin, positions, FoldOptions(shapes="rod", max_candidates=5)
     )
-    rods = [(c.trace - poses.start_origin_A) @ poses.start_frame for c in fold.candidates]
+    rods = [
+        StudyRod((c.trace - poses.start_origin_A) @ poses.start_frame, c.line.energy)
+        for c in fold.candidates
+    ]
     return StudyLoop(
         FoundLoop(shape, entry, rms_A),
         hairpin,

@@ -54,11 +54,12 @@ def rows_of(loops: Sequence[StudyLoop], library: Library, level: str) -> Iterato
             "acid": loop.hairpin.kind, "motif": loop.motif, "n": loop.n, "level": level,
         }  # fmt: skip
         errors = distances_A(known.weighted.nodes_A, loop.native_A)
-        for place, answer in enumerate(known.answers(loop.rods_A), start=1):
+        for place, answer in enumerate(known.answers(loop.rods), start=1):
             yield {
                 **about,
                 "kind": answer.kind,
                 "place": place,
+                "energy": answer.energy,
                 "spread_A": known.spread_A(answer.trace_A),
                 "rmsd_A": rmsd_A(answer.trace_A, loop.native_A),
                 "least_energy_A": float(errors[np.argmin(known.energies)]),

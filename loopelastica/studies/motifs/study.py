@@ -17,8 +17,8 @@ from loopelastica.studies.motifs.report import report
 from loopelastica.studies.motifs.tables import error_tables, length_rows, motif_rows
 
 COLUMNS = (
-    "source", "loop", "acid", "family", "motif", "n", "level", "place", "kind", "spread_A",
-    "rmsd_A", "expected_10_A", "expected_50_A", "expected_90_A",
+    "source", "loop", "acid", "family", "motif", "n", "level", "place", "kind", "energy",
+    "spread_A", "rmsd_A", "expected_10_A", "expected_50_A", "expected_90_A",
 )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.folding.motifs import CLASSES, SHIFT_A, class_of
+from loopelastica.folding.motifs import CLASSES, SHIFT_A, class_of, signs
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.rod.chain import deform_batch
 from loopelastica.studies.motifs.corpus import MOTIFS, StudyLoop
@@ -120,8 +120,8 @@ def held_out(rows: Sequence[Mapping[str, Any]]) -> Array:
         if not len(out) or not inside:
             continue
         b, quantiles = fit(inside)
-        for i in out:
-            log = _signs(rows[i]) @ b + quantiles[class_of(rows[i]["n"])]
+        for i in out.tolist():
+            log = np.asarray(_signs(rows[i]) @ b + quantiles[class_of(rows[i]["n"])])
             expected[i] = np.maximum(np.exp(log) - SHIFT_A, 0.0)
     return expected
 
@@ -169,13 +169,13 @@ def weighted_quantiles(values: Array, weights: Array, at: Sequence[float] = QUAN
 
 
 def _signs(row: Mapping[str, Any]) -> Array:
-    return np.array([1.0, np.log(max(row["spread_A"], SHIFT_A))])
+    return signs(row["spread_A"], row["energy"])
 
 
 def _solve(x: Array, y: Array, weights: Array) -> Array:
-    """Least squares; in doubt the error is in proportion to the spread."""
-    likely = np.array([0.0, 1.0])
-    stiff = np.diag([0.0, _RIDGE])
+    """Least squares; in doubt the error is in proportion to the spread, whatever the energy."""
+    likely = np.array([0.0, 1.0, 0.0])
+    stiff = np.diag([0.0, _RIDGE, _RIDGE])
     xw = x * weights[:, None]
     return np.asarray(np.linalg.solve(x.T @ xw + stiff, xw.T @ y + stiff @ likely))
 
