@@ -565,8 +565,7 @@ def test_what_is_no_order_no_kind_and_no_file_is_refused(tmp_path, option, value
     assert not (tmp_path / "out").exists()
 
 
-def test_rods_alone_are_folded_on_request(tmp_path, of_chains, monkeypatch):
-    monkeypatch.setattr("loopelastica.folding.fold.hypotheses", of_chains)
+def test_rods_alone_are_folded_on_request(tmp_path):
     result = run("fold", HAIRPIN, "-o", tmp_path, "--no-plot", "--first-model", "--shapes", "rod")
     assert result.exit_code == 0
     assert {shape for (shape,) in ranks(tmp_path, "shape")} == {"straight rod"}
