@@ -10,7 +10,7 @@ import numpy as np
 from loopelastica._files import write_csv, write_text
 from loopelastica._names import printable
 from loopelastica.batch.run import Run, distinct, run, tasks_of
-from loopelastica.batch.sources import structure_files
+from loopelastica.molecule.folders import structure_files
 from loopelastica.molecule.nucleotides import Limits
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.evaluation.loops import COLUMNS, EVALUATION
