@@ -34,6 +34,8 @@ from loopelastica.rod.kernels.rotations import (
 
 # neighbours whose directions add to less than this point against each other
 _OPPOSITE = 1e-6
+# turn whose moment in the stiffest hinge counts as a load, rad
+_ROUNDED = 1e-5
 
 
 class ElasticChain(NamedTuple):
@@ -80,12 +82,16 @@ def at_other_frames(chain):
 
 @kernel
 def set_shape(chain, steps, end, stiffness, torsion_ratio):
-    """Fill all but the frames, from a rest shape in any unit; returns its length in that unit.
+    """Fill all but the frames, from a rest shape in any unit.
 
     ``steps`` (m, 3) and the quaternion ``end`` (4,); ``stiffness`` (m + 1,) multiplies that of an
-    ideal rod, 1 over half of either neighbouring segment.
+    ideal rod, 1 over half of either neighbouring segment. Returns the length in that unit and the
+    geometric mean of ``stiffness``, which is the chain's unit of it.
     """
-    m, length = steps.shape[0], 0.0
+    m, length, unit = steps.shape[0], 0.0, 0.0
+    for j in range(m + 1):
+        unit += math.log(stiffness[j]) / (m + 1)
+    unit = math.exp(unit)
     for k in range(m):
         length += _size(steps[k])
     for c in range(4):
@@ -107,14 +113,23 @@ def set_shape(chain, steps, end, stiffness, torsion_ratio):
                 chain.axes[j, i] /= math.sqrt(norm)
             else:
                 chain.axes[j, i] = steps[before, i] / a
-        chain.bending[j] = stiffness[j] / hinge_length(chain.s, j)
+        chain.bending[j] = stiffness[j] / unit / hinge_length(chain.s, j)
         chain.torsion[j] = torsion_ratio * chain.bending[j]
-    return length
+    return length, unit
 
 
 @kernel
 def _size(v):
     return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+
+
+@kernel
+def slack(chain):
+    """How much larger moments may miss their balance: rounding of turns in stiff hinges."""
+    stiffest = 0.0
+    for j in range(chain.bending.shape[0]):
+        stiffest = max(stiffest, chain.bending[j], chain.torsion[j])
+    return 1.0 + _ROUNDED * stiffest
 
 
 @kernel

@@ -25,6 +25,7 @@ from loopelastica.rod.kernels.chain import (
     measure_chain,
     new_chain,
     set_shape,
+    slack,
     spread,
 )
 from loopelastica.rod.kernels.chain_check import judge
@@ -180,12 +181,12 @@ def minimize_chain(room, position, minimized):
     """
     chain, trial, hessian, step, force = room.chain, room.trial, room.hessian, room.step, room.force
     omega, c, multiplier = hessian.omega, step.constraint, step.multiplier
-    mu, shift, bows = 0.0, _FLOOR, 0
+    mu, shift, bows, balanced = 0.0, _FLOOR, 0, _BALANCED * slack(chain)
     energy = measure_chain(chain, position, omega, c)
     for _ in range(_ITERATIONS):
         assemble_chain(chain, force, hessian)
         norm_c = l1(c)
-        done = norm_c < _CLOSED and imbalance(hessian, force) < _BALANCED
+        done = norm_c < _CLOSED and imbalance(hessian, force) < balanced
         once = done or not minimized
         first = _FLAT if done else 0.0 if once else shift
         index, shift, downhill, largest = newton_step(hessian, chain.s, once, first, step)
@@ -371,7 +372,7 @@ def deform_rows(
         if rows.status[row] != _CONVERGED:
             continue
         rest, q = quaternion_from_matrix(end), quaternion_from_matrix(frame)
-        length = set_shape(chain, shape, rest, factors, torsion_ratio)
+        length, unit = set_shape(chain, shape, rest, factors, torsion_ratio)
         for i in range(3):
             position[i] = place[i] / length
         guess = _one_of(guesses, row)
@@ -383,13 +384,11 @@ def deform_rows(
                 room.nodes, room.rotations, room.moment,
             )  # fmt: skip
             if residual < _CONFIRMED:
-                rows.energy[row], rows.residual[row], rows.morse_index[row] = (
-                    energy,
-                    residual,
-                    index,
-                )
-                copy(room.force, rows.force[row])
-                copy(room.moment, rows.moment[row])
+                rows.energy[row], rows.residual[row] = unit * energy, residual
+                rows.morse_index[row] = index
+                for i in range(3):
+                    rows.force[row, i] = unit * room.force[i]
+                    rows.moment[row, i] = unit * room.moment[i]
                 copy_rows(room.nodes, rows.nodes[row])
                 for k in range(m + 1):
                     copy_rows(room.rotations[k], rows.rotations[row, k])
