@@ -14,6 +14,7 @@ from loopelastica.batch.journal import Record
 from loopelastica.batch.run import Task, Work, distinct, run, tasks_of
 from loopelastica.batch.workers import check_workers
 from loopelastica.errors import LoopelasticaError
+from loopelastica.folding.gathering import found_loop, loop_rows
 from loopelastica.folding.library import MAX_NUCLEOTIDES, MIN_NUCLEOTIDES, Library
 from loopelastica.folding.library_file import check_place, save_library
 from loopelastica.folding.shape_table import COPY_A, FoundLoop
