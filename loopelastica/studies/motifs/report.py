@@ -42,10 +42,25 @@ _MEASURES: dict[str, Callable[[Sequence[Row]], float]] = {
 }
 
 
+_TRIALS = {
+    "name": ("pattern", ""),
+    "pattern": ("loop", ""),
+    "loops": ("loops", ""),
+    "sequences": ("sequences", ""),
+    "families": ("families", ""),
+    "judged": ("judged", ""),
+    "own_median_A": ("its mean: median (Å)", ".2f"),
+    "own_mean_A": ("mean (Å)", ".2f"),
+    "all_median_A": ("all: median (Å)", ".2f"),
+    "all_mean_A": ("mean (Å) ", ".2f"),
+}
+
+
 def report(
     rows: Sequence[Row],
     motifs: Sequence[Row],
     lengths: Sequence[Row],
+    trials: Sequence[Row],
     left_out: Sequence[str],
 ) -> str:
     """The report of the study.
@@ -57,6 +72,8 @@ def report(
         into them.
     motifs, lengths : sequence of mapping
         As in ``motifs.json``.
+    trials : sequence of mapping
+        Of :func:`loopelastica.studies.motifs.trials.trial_rows`.
     left_out : sequence of str
         A sentence for each loop that was not judged.
 
@@ -78,6 +95,13 @@ def report(
         lines += ["", f"## {acid}, 3 to 9 nucleotides", ""]
         lines.append(_answers([row for row in rows if row["acid"] == acid]))
     lines += ["", "## Motifs, and one shape per length", "", _shapes([*motifs, *lengths])]
+    lines += [
+        "",
+        "Patterns that were tried: mean over loops that have it against mean over all of the"
+        " length, nothing of the same family (of GNRA and UNCG other sequences):",
+        "",
+        markdown_table(list(trials), _TRIALS),
+    ]
     lines += ["", "## Expected errors", "", _coverage(rows)]
     lines += ["", f"{len(left_out)} loops were not judged:", ""]
     return "\n".join([*lines, *(f"- {sentence}" for sentence in left_out), ""])

@@ -15,6 +15,7 @@ from loopelastica.studies.motifs.corpus import StudyLoop, library_of, read_corpu
 from loopelastica.studies.motifs.judge import ENTRY, LEVELS, RELATIVES, rows_of
 from loopelastica.studies.motifs.report import report
 from loopelastica.studies.motifs.tables import error_tables, length_rows, motif_rows
+from loopelastica.studies.motifs.trials import trial_rows
 
 COLUMNS = (
     "source", "loop", "acid", "family", "motif", "n", "level", "place", "kind", "energy",
@@ -52,7 +53,7 @@ def run(folder: Path, out: Path, progress: bool = False) -> str:
         "lengths": lengths,
         "errors": error_tables(calibrating(rows)),
     }
-    text = report(rows, motifs, lengths, left_out)
+    text = report(rows, motifs, lengths, trial_rows(loops, library), left_out)
     out.mkdir(parents=True, exist_ok=True)
     save_library(library, out / "loops.lib")
     write_json(out / "motifs.json", content)
