@@ -72,19 +72,21 @@ def koc_shape(koc):
 
 @pytest.fixture(scope="session")
 def of_chains(koc_shape):
-    """In place of the hypotheses of a loop: that shape and one of it that is smaller."""
-    from loopelastica.folding.hypotheses import Hypothesis
+    """In place of the hypotheses of a loop: that shape, one of it that is smaller, and rods."""
+    from loopelastica.folding.hypotheses import Hypothesis, straight_rods
     from loopelastica.folding.lines import chain_lines
 
     small = dataclasses.replace(koc_shape, steps_A=0.9 * koc_shape.steps_A, source="small")
 
-    def hypotheses(hairpin, poses, options):
-        lines = chain_lines([koc_shape, small], poses, hairpin.is_dna)
+    def hypotheses(hairpin, stem, ends, rods, positions, options, scene):
+        lines = chain_lines([koc_shape, small], stem.closing(), hairpin.is_dna)
         errors = np.array([0.5, 1.2, 2.0]), np.array([1.0, 2.0, 4.0])
-        return tuple(
+        chains = [
             Hypothesis(line, f"like {line.shape.source}", expected, place)
             for place, (line, expected) in enumerate(zip(lines, errors, strict=True))
-        )
+        ]
+        straight = straight_rods(hairpin, rods, ends)
+        return *chains, *(dataclasses.replace(rod, place=2 + rod.place) for rod in straight)
 
     return hypotheses
 

@@ -23,7 +23,8 @@ from loopelastica.molecule.polymer import Monomer
 _PHOSPHATE: Final = ("P", "OP1", "OP2")
 _GLYCOSIDIC: Final = {"N9": ("C4", "C8"), "N1": ("C2", "C6"), "C5": ("C4", "C6")}
 """Atom of the base at C1' (C5: pseudouridine), and its neighbours: first the one that χ counts."""
-_BOND_A: Final = 1.9
+_BOND_A: Final = (1.2, 1.9)
+"""Shortest and longest bond of C1' to a base: other atoms there place none."""
 _NEXT_TO: Final = {
     "O2'": ("C1'", "C2'", "C3'"),
     "OP1": ("P", "O5'", "C5'"),
@@ -102,13 +103,14 @@ def _laid(ideal: Mapping[str, Array], name: str, beside: Mapping[str, Array]) ->
 
 def _bond(atoms: Mapping[str, Array]) -> str | None:
     """The atom of the base that C1' is bonded to; None where base or C1' is not there."""
-    near = {
-        name: float(np.linalg.norm(atoms[name] - atoms["C1'"]))
-        for name, sides in _GLYCOSIDIC.items()
-        if all(x in atoms for x in ("C1'", name, *sides))
-    }
-    best = min(near, key=near.__getitem__, default=None)
-    return best if best is not None and near[best] <= _BOND_A else None
+    for name, sides in _GLYCOSIDIC.items():
+        if all(x in atoms for x in ("C1'", name, *sides)):
+            first, second = (atoms[x] - atoms["C1'"] for x in sides)
+            bond_A = np.linalg.norm(atoms[name] - atoms["C1'"])
+            # sides that lie on one line span no plane
+            if _BOND_A[0] <= bond_A <= _BOND_A[1] and np.linalg.norm(np.cross(first, second)) > 1.0:
+                return name
+    return None
 
 
 def _frame(atoms: Mapping[str, Array], bond: str) -> tuple[Array, Array]:

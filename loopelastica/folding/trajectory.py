@@ -71,7 +71,7 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
     >>> from loopelastica.molecule.reading import quiet
     >>> with quiet():
     ...     universe = mda.Universe(data_path("hairpins/2koc.pdb"))
-    ...     analysis = LoopElastica(universe).run(stop=3)
+    ...     analysis = LoopElastica(universe, shapes="rod").run(stop=3)
     >>> print(analysis.results.rmsd_A.round(2).ravel())
     [2.12 2.05 1.87]
     """

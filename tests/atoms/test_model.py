@@ -1,3 +1,6 @@
+import dataclasses
+
+import gapped
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -8,7 +11,7 @@ from loopelastica.atoms.model import build_atoms
 from loopelastica.atoms.search import LINE_SD_A
 from loopelastica.errors import StructureError
 from loopelastica.folding.fold import fold_model
-from loopelastica.molecule.nucleotides import read_structure
+from loopelastica.molecule.nucleotides import atom_positions, read_structure
 
 
 def again(koc, fold, positions, **options):
@@ -168,3 +171,42 @@ def test_a_rigid_motion_moves_the_atoms_on_a_chain_along(koc, chains, of_chains,
     here = build_atoms(koc, chains, max_candidates=1)[0]
     there = again(koc, chains, koc.positions(0) @ turn.T + shift)
     np.testing.assert_allclose(here.positions_A @ turn.T + shift, there.positions_A, atol=1e-4)
+
+
+@pytest.fixture(scope="module")
+def like_8(koc, tmp_path_factory):
+    """2KOC's first model folded like its eighth."""
+    path = gapped.pdb(tmp_path_factory.mktemp("like") / "eighth.pdb", gapped.chain(model=8))
+    (loop,) = le.fold(koc, like=f"{path}:A.5-A.10", all_models=False, max_candidates=1)
+    return loop
+
+
+def off_A(koc, model):
+    """RMSD of the bases from the file's own, where they are."""
+    names = ("N1", "C2", "N3", "C4", "C5", "C6")
+    own = atom_positions(koc.nucleotides, koc.positions(0), names)[5:9]
+    rows = [[model.molecule.index(k, name) for name in names] for k in range(4)]
+    return float(np.sqrt(((model.positions_A[np.array(rows)] - own) ** 2).sum(axis=-1).mean()))
+
+
+def test_atoms_begin_where_a_templates_were_carried(koc, like_8):
+    (carried,) = build_atoms(koc, like_8)
+    bare = dataclasses.replace(like_8.candidates[0], carried=())
+    (on_line,) = build_atoms(koc, dataclasses.replace(like_8, candidates=(bare,)))
+    assert carried.checks.sound
+    assert (carried.carried, on_line.carried) == (True, False)
+    assert carried.rmsd_A < 1.0
+    assert off_A(koc, carried) < 1.5
+    assert off_A(koc, carried) < 0.5 * off_A(koc, on_line)
+
+
+def test_where_a_template_leads_to_nothing_sound_the_line_is_searched(koc, like_8):
+    first = like_8.candidates[0]
+    scattered = tuple(
+        dataclasses.replace(one, atoms_A={x: at + 25.0 * k for x, at in one.atoms_A.items()})
+        for k, one in enumerate(first.carried)
+    )
+    broken = dataclasses.replace(first, carried=scattered)
+    (model,) = build_atoms(koc, dataclasses.replace(like_8, candidates=(broken,)))
+    assert model.checks.sound
+    assert not model.carried

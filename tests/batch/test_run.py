@@ -267,3 +267,16 @@ def test_only_tables_that_a_killed_run_began_are_cleared_away(tmp_path):
     _Book(FOLDS, [], tmp_path, str)
     assert theirs.exists()
     assert not any(path.exists() for path in begun)
+
+
+def test_a_further_file_that_the_result_depends_on_is_part_of_the_key(tmp_path):
+    source, beside = tmp_path / "a.pdb", tmp_path / "template.pdb"
+    for path in (source, beside):
+        path.write_text("one")
+    (alone,) = tasks_of([source], OPTIONS, tmp_path)
+    (none,) = tasks_of([source], OPTIONS, tmp_path, [None])
+    (task,) = tasks_of([source], OPTIONS, tmp_path, [None, str(beside)])
+    assert alone.key == none.key != task.key
+    before = task.key
+    beside.write_text("two")
+    assert task.key != before

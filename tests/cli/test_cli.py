@@ -9,6 +9,7 @@ import subprocess
 import sys
 import warnings
 
+import gapped
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -565,8 +566,46 @@ def test_what_is_no_order_no_kind_and_no_file_is_refused(tmp_path, option, value
     assert not (tmp_path / "out").exists()
 
 
-def test_rods_alone_are_folded_on_request(tmp_path, of_chains, monkeypatch):
-    monkeypatch.setattr("loopelastica.folding.fold.hypotheses", of_chains)
+def test_rods_alone_are_folded_on_request(tmp_path):
     result = run("fold", HAIRPIN, "-o", tmp_path, "--no-plot", "--first-model", "--shapes", "rod")
     assert result.exit_code == 0
     assert {shape for (shape,) in ranks(tmp_path, "shape")} == {"straight rod"}
+
+
+@pytest.fixture
+def eighth(tmp_path):
+    """The eighth model of 2KOC as a template."""
+    return gapped.pdb(tmp_path / "eighth.pdb", gapped.chain(model=8))
+
+
+@pytest.mark.parametrize("jobs", [(), ("--jobs", "1")])
+def test_a_loop_like_another_one_is_the_first_candidate(tmp_path, eighth, jobs):
+    out = tmp_path / "out"
+    like = f"{eighth}:A.5-A.10"
+    result = run("fold", HAIRPIN, "--first-model", "--like", like, "-o", out, *jobs)
+    assert result.exit_code == 0, result.output
+    first, *others = table(out / "summary.csv")
+    assert first["shape"] == "like eighth A.5-A.10"
+    assert float(first["rmsd_A"]) < 1.0
+    assert not any(row["shape"].startswith("like") for row in others)
+    content = json.loads((out / "2koc_A6-9" / "ranking.json").read_text())
+    assert content["parameters"]["like"] == like
+
+
+@pytest.mark.parametrize("jobs", [(), ("--jobs", "1")])
+@pytest.mark.parametrize(
+    ("like", "status", "fragment"),
+    [
+        ("{}:loop", 2, "--like"),
+        ("nowhere.pdb", 1, "nowhere.pdb: there is no such file"),
+        ("{}:A.6-A.9", 1, "A.6-A.9 closes no hairpin loop"),
+    ],
+)
+def test_a_template_that_is_none_is_one_sentence_and_nothing_is_written(
+    tmp_path, eighth, jobs, like, status, fragment
+):
+    out = tmp_path / "out"
+    result = run("fold", HAIRPIN, "--like", like.format(eighth), "-o", out, *jobs)
+    assert result.exit_code == status
+    assert fragment in result.stderr
+    assert not out.exists()

@@ -376,3 +376,59 @@ def test_two_jobs_and_their_resumption_write_the_tables_of_one(forty, out, tmp_p
     assert run(*forty[:4], "--jobs", 2, "-o", out).exit_code == 0
     for name in ("summary.csv", "failures.csv"):
         assert (out / name).read_bytes() == (tmp_path / "one" / name).read_bytes()
+
+
+@pytest.fixture
+def eighth(tmp_path):
+    """The eighth model of 2KOC as a template."""
+    return gapped.pdb(tmp_path / "eighth.pdb", gapped.chain(model=8))
+
+
+def test_a_strand_like_another_one_says_so_in_the_record_and_on_the_screen(tmp_path, out, eighth):
+    file = gapped.gapped(tmp_path / "a.pdb", {6, 7, 8, 9})
+    result = run(file, "--like", f"{eighth}:A.5-A.10", "-o", out)
+    assert result.exit_code == 0, result.output
+    assert "like" in result.stdout
+    assert "eighth" in result.stdout
+    (strand,) = json.loads((out / "a" / "fill.json").read_text())["strands"]
+    assert strand["candidates"][0]["shape"] == "like eighth A.5-A.10"
+    (row,) = table(out / "summary.csv")
+    assert row["shape"] == "like eighth A.5-A.10"
+
+
+@pytest.mark.parametrize(
+    ("like", "status", "fragment"),
+    [
+        ("{}:loop", 2, "--like"),
+        ("nowhere.pdb", 1, "nowhere.pdb: there is no such file"),
+        ("{}:A.5-A.99", 1, "there is no nucleotide A.99"),
+    ],
+)
+def test_a_template_that_is_none_is_one_sentence_and_nothing_is_written(
+    tmp_path, out, eighth, like, status, fragment
+):
+    file = gapped.gapped(tmp_path / "a.pdb", {6, 7, 8, 9})
+    result = run(file, "--like", like.format(eighth), "-o", out)
+    assert result.exit_code == status
+    assert fragment in result.stderr
+    assert not out.exists()
+
+
+def test_a_template_that_fits_no_strand_is_one_sentence_and_no_structure(tmp_path, out, eighth):
+    file = gapped.gapped(tmp_path / "a.pdb", {6, 7, 8, 9})
+    result = run(file, "--like", f"{eighth}:A.1-A.3", "-o", out)
+    assert result.exit_code == 1
+    assert "its strand has 1 nucleotides, what is to be like it 4" in sentence(result)
+    assert results(out) == set()
+
+
+def test_a_template_that_has_changed_is_other_work(tmp_path, out, eighth):
+    files = [gapped.gapped(tmp_path / f"{k}.pdb", {6, 7, 8, 9}) for k in "ab"]
+    run(*files, "--like", eighth, "-o", out)
+    again = run(*files, "--like", eighth, "-o", out)
+    assert "2 files (2 were done before)" in again.stdout
+    before = (out / "a" / "filled.pdb").read_bytes()
+    gapped.pdb(eighth, gapped.chain(model=3))
+    changed = run(*files, "--like", eighth, "-o", out)
+    assert "2 files (0 were done before)" in changed.stdout
+    assert (out / "a" / "filled.pdb").read_bytes() != before

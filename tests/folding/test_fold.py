@@ -4,12 +4,14 @@ import json
 import re
 import warnings
 
+import gapped
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica._files import data_path
+from loopelastica.errors import StructureError
 from loopelastica.folding.fold import fold_model
 from loopelastica.folding.options import FoldOptions
 from loopelastica.molecule.hairpins import find_hairpins
@@ -287,3 +289,63 @@ def test_missing_stem_atoms_cost_one_loop_and_not_the_others(hairpin_folder, tmp
     first, second = le.fold(path)
     assert first.failure == "A.C5: no P, O5' and C5' atoms; its stem frame cannot be placed"
     assert second.failure is None
+
+
+@pytest.fixture
+def like_8(tmp_path):
+    """The eighth model of 2KOC as a template."""
+    return gapped.pdb(tmp_path / "eighth.pdb", gapped.chain(model=8))
+
+
+def test_a_template_is_the_first_candidate(like_8):
+    (plain,) = le.fold(HAIRPIN, all_models=False)
+    (loop,) = le.fold(HAIRPIN, like=f"{like_8}:A.5-A.10", all_models=False)
+    first = loop.candidates[0]
+    assert first.shape == "like eighth A.5-A.10"
+    assert first.rmsd_A < 1.0
+    assert len(first.carried) == 4
+    low, middle, high = first.expected_rmsd_A
+    assert 0 < low < middle < high
+    # what there was without comes after it
+    assert [c.shape for c in loop.candidates[1:]] == [c.shape for c in plain.candidates][:9]
+    assert [c.rank for c in loop.candidates] == list(range(1, len(loop.candidates) + 1))
+    assert all(c.carried == () for c in loop.candidates[1:])
+    assert not any("eighth" in sentence for sentence in loop.remarks)
+
+
+def test_a_template_is_for_every_model(like_8):
+    (loop,) = le.fold(HAIRPIN, like=like_8)
+    assert len(loop.candidates[0].rmsd_models_A) == 20
+    assert loop.candidates[0].rmsd_models_A.max() < 2.0
+
+
+def test_a_template_of_one_nucleotide_less_is_respaced_and_that_is_said(hairpin_folder):
+    """1BJH has three loop nucleotides, 1AC7 four."""
+    like = f"{hairpin_folder / '1bjh.pdb.gz'}"
+    (loop,) = le.fold(hairpin_folder / "1ac7.pdb.gz", like=like, all_models=False)
+    first = loop.candidates[0]
+    assert first.shape == "like 1bjh A.4-A.8, 3 → 4 nucleotides"
+    assert (len(first.trace), first.carried) == (4, ())
+    assert any("no loop of 4 nucleotides; the line of 3 is respaced" in s for s in loop.remarks)
+
+
+def test_a_loop_that_no_template_fits_is_folded_without_beside_one_that_it_fits(hairpin_folder):
+    """The loops of a tRNA have eight, nine and seven nucleotides."""
+    path = hairpin_folder / "1ehz.cif.gz"
+    loops = le.fold(path, like=f"{path}:A.53-A.61", all_models=False)
+    firsts = [loop.candidates[0].shape for loop in loops]
+    assert firsts[0] == "like 1ehz A.53-A.61, 7 → 8 nucleotides"
+    assert not firsts[1].startswith("like")
+    assert firsts[2] == "like 1ehz A.53-A.61"
+    said = [sum("1ehz.cif.gz" in sentence for sentence in loop.remarks) for loop in loops]
+    assert said == [1, 1, 0]
+
+
+def test_a_template_that_fits_no_loop_is_refused(hairpin_folder, like_8):
+    with pytest.raises(StructureError, match=r"eighth\.pdb: its loop has 4 nucleotides"):
+        le.fold(hairpin_folder / "1anr.pdb.gz", like=like_8, all_models=False)
+
+
+def test_a_template_that_cannot_be_read_is_refused():
+    with pytest.raises(StructureError, match=r"nowhere\.pdb: there is no such file"):
+        le.fold(HAIRPIN, like="nowhere.pdb")

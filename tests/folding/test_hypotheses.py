@@ -5,15 +5,17 @@ import pytest
 
 import loopelastica as le
 from loopelastica._files import data_path
-from loopelastica.folding.hypotheses import rods_expected, straight_rods, surrounded_rod
+from loopelastica.folding.hypotheses import straight_rods
 from loopelastica.folding.lines import ChainLine
 
-LIGAND = "HETATM 9{n:03d}  C{n:<3d}LIG B{r:4d}    {x:8.3f}{y:8.3f}{z:8.3f}  1.00  0.00           C"
+HAIRPIN = data_path("hairpins/2koc.pdb")
+LIGAND = "HETATM 9{n:03d}  C{n:<3d}LIG B   1    {x:8.3f}{y:8.3f}{z:8.3f}  1.00  0.00           C"
+SURROUNDED = "rod in its surroundings"
 
 
 def beside(path, lines, places):
     """A file of 2KOC's first model with atoms of a ligand at some places."""
-    ligand = [LIGAND.format(n=n, r=1, x=x, y=y, z=z) for n, (x, y, z) in enumerate(places)]
+    ligand = [LIGAND.format(n=n, x=x, y=y, z=z) for n, (x, y, z) in enumerate(places)]
     path.write_text("\n".join([*lines, *ligand, "END", ""]))
     return path
 
@@ -25,76 +27,100 @@ def crowd(fold):
     return np.concatenate([middle, middle + [0.0, 0.0, 1.5]])
 
 
-def test_a_rod_goes_round_what_is_in_its_way(fold, crowd):
-    free = fold.candidates[0].rod
-    (found,) = surrounded_rod(fold.hairpin, fold.ends, free, crowd)
-    assert found.shape == "rod in its surroundings"
-    assert found.line.rod.nearest > 2.5
-    assert found.line.energy > free.energy
-    assert found.line.stable
+def of_shape(loop, shape):
+    return [candidate for candidate in loop.candidates if candidate.shape == shape]
 
 
-def test_where_nothing_is_in_its_way_it_is_the_straight_rod(fold):
-    far = fold.candidates[0].trace.mean(axis=0) + 100.0
-    assert surrounded_rod(fold.hairpin, fold.ends, fold.candidates[0].rod, far[None]) == ()
+def test_a_rod_goes_round_what_is_in_its_way(tmp_path, koc_lines, crowd):
+    (loop,) = le.fold(beside(tmp_path / "crowd.pdb", koc_lines, crowd))
+    (bent,) = of_shape(loop, SURROUNDED)
+    straight = of_shape(loop, "straight rod")[0]
+
+    def nearest(candidate):
+        gaps = candidate.line.points(201)[:, None] - crowd
+        return np.linalg.norm(gaps, axis=2).min()
+
+    assert nearest(straight) < 1.0
+    assert nearest(bent) > 2.5
+    assert bent.line.energy > straight.line.energy
+    assert bent.stable
+    assert bent.residual < 1e-4
 
 
-def test_fold_takes_the_surroundings_of_the_file(tmp_path, koc_lines, crowd):
+def test_surroundings_are_left_out_on_request(tmp_path, koc_lines, crowd):
     path = beside(tmp_path / "crowd.pdb", koc_lines, crowd)
-
-    def shapes(**options):
+    for options in ({"surroundings": False}, {"shapes": "rod"}):
         (loop,) = le.fold(path, **options)
-        return [c.shape for c in loop.candidates]
-
-    assert shapes().count("rod in its surroundings") == 1
-    assert shapes().index("rod in its surroundings") < shapes().index("straight rod")
-    assert "rod in its surroundings" not in shapes(surroundings=False)
-    assert set(shapes(shapes="rod")) == {"straight rod"}
+        assert not of_shape(loop, SURROUNDED)
 
 
 def test_its_own_hairpin_and_what_is_far_are_no_surroundings(tmp_path, koc_lines, crowd):
-    for path in (
-        data_path("hairpins/2koc.pdb"),
-        beside(tmp_path / "far.pdb", koc_lines, crowd + [60.0, 0.0, 0.0]),
-    ):
+    for path in (HAIRPIN, beside(tmp_path / "far.pdb", koc_lines, crowd + [60.0, 0.0, 0.0])):
         (loop,) = le.fold(path, all_models=False)
-        assert "rod in its surroundings" not in {c.shape for c in loop.candidates}
+        assert not of_shape(loop, SURROUNDED)
+
+
+def test_a_rod_that_its_surroundings_do_not_move_is_no_answer_of_its_own(tmp_path, koc_lines, fold):
+    line = fold.candidates[0].line.points(41)
+    away = line[20] - line[[0, -1]].mean(axis=0)
+    # beyond the top of the loop, out of the reach of the repulsion
+    ligand = line[20] + 7.0 * away / np.linalg.norm(away)
+    (loop,) = le.fold(beside(tmp_path / "near.pdb", koc_lines, ligand[None]))
+    assert not of_shape(loop, SURROUNDED)
 
 
 def test_each_model_has_its_own_surroundings(tmp_path, koc_lines, crowd):
-    near = beside(tmp_path / "a", koc_lines, crowd).read_text()
-    far = beside(tmp_path / "b", koc_lines, crowd + [60.0, 0.0, 0.0]).read_text()
-    models = [
-        f"MODEL {k}\n{text.removesuffix('END' + chr(10))}ENDMDL\n"
-        for k, text in enumerate((near, far), start=1)
+    paths = [
+        beside(tmp_path / name, koc_lines, crowd + shift)
+        for name, shift in (("near.pdb", 0.0), ("far.pdb", [60.0, 0.0, 0.0]))
     ]
-    path = tmp_path / "two.pdb"
-    path.write_text("".join([*models, "END\n"]))
-    (loop,) = le.fold(path)
-    first = next(c for c in loop.candidates if c.shape == "rod in its surroundings")
-    assert np.isfinite(first.rmsd_models_A).all()
-    (alone,) = le.fold(beside(tmp_path / "b.pdb", koc_lines, crowd + [60.0, 0.0, 0.0]))
-    assert loop.candidates[0].rmsd_models_A[1] == alone.candidates[0].rmsd_A
+    texts = [path.read_text().removesuffix("END\n") for path in paths]
+    both = tmp_path / "both.pdb"
+    both.write_text(
+        "".join(f"MODEL {k:8d}\n{text}ENDMDL\n" for k, text in enumerate(texts, 1)) + "END\n"
+    )
+    (loop,), *alone = (le.fold(path, rank="energy") for path in (both, *paths))
+    assert of_shape(loop, SURROUNDED)
+    for k, (one,) in enumerate(alone):
+        for candidate, other in zip(loop.candidates, one.candidates, strict=False):
+            assert candidate.rmsd_models_A[k] == other.rmsd_A
 
 
-def test_chains_come_first_and_rods_follow(chains):
-    kinds = [isinstance(c.line, ChainLine) for c in chains.candidates if not c.contacts.touching]
-    assert kinds == sorted(kinds, reverse=True)
-    first = chains.candidates[0]
-    assert first.shape == "like 2koc A.5-A.10"
-    assert first.rod is None
-    assert first.rmsd_A < 1.5
-    assert first.expected_rmsd_A.tolist() == [0.5, 1.2, 2.0]
+def test_the_loops_own_coordinates_change_no_answer(tmp_path, koc_lines, fold):
+    """Neither which answers there are nor where they lie: only stem and surroundings count."""
+    moved = [
+        line[:30] + f"{float(line[30:38]) + 0.3:8.3f}" + line[38:]
+        if int(line[22:26]) in (6, 7, 8, 9) else line
+        for line in koc_lines
+    ]  # fmt: skip
+    there, here = (
+        le.fold(beside(tmp_path / f"{k}.pdb", lines, []))[0].candidates
+        for k, lines in enumerate((moved, koc_lines))
+    )
+    for one, other in zip(there, here, strict=True):
+        assert one.shape == other.shape
+        np.testing.assert_array_equal(one.trace, other.trace)
+        np.testing.assert_array_equal(one.expected_rmsd_A, other.expected_rmsd_A)
 
 
-def test_shapes_that_are_not_wanted_are_not_made(koc, of_chains, monkeypatch):
-    monkeypatch.setattr("loopelastica.folding.fold.hypotheses", of_chains)
-    (loop,) = le.fold(koc, all_models=False, shapes="rod")
-    assert {c.shape for c in loop.candidates} == {"straight rod"}
+def test_rods_alone_are_folded_on_request():
+    (loop,) = le.fold(HAIRPIN, all_models=False, shapes="rod")
+    assert {candidate.shape for candidate in loop.candidates} == {"straight rod"}
+
+
+def test_the_first_answers_differ_and_each_says_what_it_is_and_how_unsure():
+    (loop,) = le.fold(HAIRPIN, all_models=False)
+    assert any(isinstance(candidate.line, ChainLine) for candidate in loop.candidates)
+    for k, candidate in enumerate(loop.candidates[:5]):
+        assert candidate.shape
+        low, middle, high = candidate.expected_rmsd_A
+        assert 0.0 <= low < middle < high < 60.0
+        for other in loop.candidates[:k]:
+            assert np.abs(candidate.trace - other.trace).max() > 0.5
 
 
 def test_a_shape_that_cannot_be_had_is_the_loops_failure(koc, monkeypatch):
-    def refuse(hairpin, poses, options):
+    def refuse(hairpin, *_):
         raise le.StructureError(f"{hairpin.label}: the library has no such loop")
 
     monkeypatch.setattr("loopelastica.folding.fold.hypotheses", refuse)
@@ -102,16 +128,19 @@ def test_a_shape_that_cannot_be_had_is_the_loops_failure(koc, monkeypatch):
     assert loop.failure == "A.C5–A.G10: the library has no such loop"
 
 
-@pytest.mark.parametrize("is_rule", [True, False])
-def test_the_error_of_rods_grows_from_10_to_90_percent(fold, is_rule):
-    low, middle, high = rods_expected(fold.hairpin, is_rule)
-    assert 0.0 < low < middle < high
+def test_the_first_rod_is_surer_than_the_others(fold):
+    rods = [candidate.rod for candidate in fold.candidates]
+    expected = [one.expected_rmsd_A for one in straight_rods(fold.hairpin, rods, fold.ends)]
+    assert all((np.diff(values) > 0.0).all() for values in expected)
+    assert all(expected[0][1] < values[1] for values in expected[1:])
 
 
-def test_only_the_first_rod_of_the_rule_has_its_error(fold):
-    rods = [c.rod for c in fold.candidates]
-    first, second, *_ = straight_rods(fold.hairpin, rods, fold.ends)
-    assert first.expected_rmsd_A[1] == 1.9
-    assert second.expected_rmsd_A[1] > 1.9
-    other = straight_rods(fold.hairpin, rods, fold.ends, is_rule=False)[0]
-    assert other.expected_rmsd_A[1] > 1.9
+def test_chains_come_first_and_rods_follow(chains):
+    """Where the answers are put into that order."""
+    kinds = [isinstance(c.line, ChainLine) for c in chains.candidates if not c.contacts.touching]
+    assert kinds == sorted(kinds, reverse=True)
+    first = chains.candidates[0]
+    assert first.shape == "like 2koc A.5-A.10"
+    assert first.rod is None
+    assert first.rmsd_A < 1.5
+    assert first.expected_rmsd_A.tolist() == [0.5, 1.2, 2.0]

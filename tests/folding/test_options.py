@@ -118,3 +118,12 @@ def test_the_bounds_themselves_are_allowed():
 def test_pairs_loops_and_brackets_are_understood_when_the_options_are_made(options, name, value):
     with pytest.raises(ValueError, match=f"`{name}`"):
         options(**{name: value})
+
+
+def test_a_template_is_a_file_and_perhaps_a_pair(tmp_path):
+    assert FoldOptions(like="a.pdb:A.4-A.9").like == "a.pdb:A.4-A.9"
+    assert FoldOptions(like=tmp_path / "a.pdb").like == str(tmp_path / "a.pdb")
+    with pytest.raises(ValueError, match="`like`"):
+        FoldOptions(like=3)
+    with pytest.raises(ValueError, match="`like` goes without `shapes`"):
+        FoldOptions(like="a.pdb", shapes="rod")

@@ -47,7 +47,7 @@ def test_nucleotides_that_continue_the_stem_lie_at_whole_places_of_the_chain(koc
 def answers(fold):
     """Three rods of one place and one of a place before them that costs more."""
     rods = straight_rods(fold.hairpin, [c.rod for c in fold.candidates], fold.ends)
-    dear = dataclasses.replace(rods[1], shape="dear", place=0)
+    dear = dataclasses.replace(rods[1], shape="dear", place=-1)
     cheap = dataclasses.replace(rods[0], shape="cheap", place=500)
     return [*rods[::-1], dear, cheap]
 

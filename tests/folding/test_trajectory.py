@@ -7,6 +7,7 @@ import pytest
 
 import loopelastica as le
 from loopelastica._files import data_path
+from loopelastica.folding.hypotheses import straight_rods
 
 # a remark of MDAnalysis on PDB files
 pytestmark = pytest.mark.filterwarnings("ignore:Reader has no dt")
@@ -108,25 +109,16 @@ def test_a_group_of_atoms_is_followed_as_the_whole(universe):
 
 
 def test_what_is_around_a_loop_counts_in_each_frame(universe, monkeypatch):
-    import MDAnalysis as mda
+    seen = []
 
-    monkeypatch.setattr("loopelastica.folding.fold.hypotheses", lambda *_: ())
+    def rods(hairpin, stem, ends, rods, positions, options, scene):
+        seen.append(scene.others)
+        return straight_rods(hairpin, rods, ends)
 
-    (loop,) = le.fold(universe)
-    ligand = mda.Universe.empty(6, n_residues=1, atom_resindex=[0] * 6, trajectory=True)
-    for name, values in {
-        "name": ["C1"] * 6, "resname": ["LIG"], "resid": [1], "segid": ["L"], "chainID": ["L"] * 6,
-    }.items():  # fmt: skip
-        ligand.add_TopologyAttr(name, values)
-    ligand.atoms.positions = loop.candidates[0].line.points(np.linspace(0.3, 0.7, 6))
-    both = mda.Merge(universe.atoms, ligand.atoms)
-    crowded, empty = (
-        le.LoopElastica(both, surroundings=wanted, rank="energy").run().results.traces_A
-        for wanted in (True, False)
-    )
-    # the straight rod costs less, and runs through the ligand
-    np.testing.assert_array_equal(crowded, empty)
-    (loop,) = le.fold(both)
-    first = le.LoopElastica(both).run().results.traces_A
-    np.testing.assert_allclose(first[0], loop.candidates[0].trace, atol=1e-9)
-    assert np.abs(first - empty).max() > 0.5
+    monkeypatch.setattr("loopelastica.folding.fold.hypotheses", rods)
+    le.LoopElastica(universe).run(stop=2)
+    assert all(len(others.rows) > 100 for others in seen)
+    # gathered once
+    assert seen[0] is seen[1]
+    le.LoopElastica(universe, surroundings=False).run(stop=1)
+    assert seen[2:] == [None]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from loopelastica.errors import StructureError
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.molecule.pairs import dot_bracket
-from loopelastica.molecule.selection import bracket_pairs, two_places
+from loopelastica.molecule.selection import Like, bracket_pairs, likeness, two_places
 
 
 def renumbered(lines: list[str], numbers: dict[int, str]) -> list[str]:
@@ -268,3 +269,38 @@ def test_brackets_by_the_million(koc):
     n = 500_000
     with pytest.raises(StructureError, match="1000000 characters for 14 nucleotides"):
         bracket_pairs(koc.nucleotides, "(" * n + ")" * n)
+
+
+@pytest.mark.parametrize(
+    ("text", "file", "pair"),
+    [
+        ("1zih.pdb", "1zih.pdb", None),
+        ("1zih.pdb:A.4-A.9", "1zih.pdb", "A.4-A.9"),
+        ("1zih.pdb:A.4-9", "1zih.pdb", "A.4-9"),
+        ("1zih.pdb:4-9", "1zih.pdb", "4-9"),
+        ("1zih.pdb:_4-9", "1zih.pdb", "4-9"),
+        ("1zih.pdb:_.4-_.9", "1zih.pdb", "4-9"),
+        ("1zih.pdb:A.-3-A.2B", "1zih.pdb", "A.-3-A.2B"),
+        ("C:\\data\\1zih.pdb", "C:\\data\\1zih.pdb", None),
+        ("C:\\data\\1zih.pdb:A.4-A.9", "C:\\data\\1zih.pdb", "A.4-A.9"),
+        ("odd:name.pdb", "odd:name.pdb", None),
+    ],
+)
+def test_a_template_is_a_file_and_perhaps_a_pair(text, file, pair):
+    assert Like.of("like", text) == (text, file, pair)
+
+
+def test_a_file_whose_name_ends_like_a_pair_is_that_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("a.pdb:4-9").touch()
+    assert Like.of("like", "a.pdb:4-9").pair is None
+
+
+def test_what_is_behind_the_colon_of_a_file_must_be_a_pair(tmp_path):
+    path = tmp_path / "a.pdb"
+    path.touch()
+    with pytest.raises(ValueError, match=r"`like` .* closing pair"):
+        likeness("like", f"{path}:loop")
+    for wrong in ("", 3, None):
+        with pytest.raises(ValueError, match="`like`"):
+            likeness("like", wrong)

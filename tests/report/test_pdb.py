@@ -66,12 +66,12 @@ def test_a_loop_that_is_absent_gets_its_points(tmp_path, written, koc_lines):
     kept = [s for s in koc_lines if int(s[22:26]) not in (6, 7, 8, 9)]
     path = tmp_path / "absent.pdb"
     path.write_text("\n".join([*kept, "END", ""]))
-    folder, fold = written(path, tmp_path, loop="A.6-9")
+    folder, fold = written(path, tmp_path, loop="A.6-9", shapes="rod")
     points, rest = points_and_rest(folder / "whole.pdb")
     assert rest == kept
     assert [(int(s[22:26]), s[17:20]) for s in points] == [(k, "  N") for k in range(6, 10)]
-    # blind: with the loop in the file the trace is the same
-    (present,) = le.fold(HAIRPIN, all_models=False)
+    # blind: with the loop in the file the trace of a rod, which knows no letters, is the same
+    (present,) = le.fold(HAIRPIN, all_models=False, shapes="rod")
     np.testing.assert_array_equal(fold.candidates[0].trace, present.candidates[0].trace)
     assert fold.candidates[0].rmsd_A is None
     assert "compared with nothing" in fold.remarks[0]

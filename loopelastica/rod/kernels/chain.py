@@ -10,6 +10,7 @@ Lengths are in units of Σ |v_k|. All derivatives are those of ``discrete_rod``,
 the general case.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -103,7 +104,7 @@ def set_shape(chain, steps, end, stiffness, torsion_ratio):
             norm += chain.axes[j, i] ** 2
         for i in range(3):
             if norm > _OPPOSITE**2:
-                chain.axes[j, i] /= np.sqrt(norm)
+                chain.axes[j, i] /= math.sqrt(norm)
             else:
                 chain.axes[j, i] = steps[before, i] / a
         chain.bending[j] = stiffness[j] / hinge_length(chain.s, j)
@@ -113,20 +114,26 @@ def set_shape(chain, steps, end, stiffness, torsion_ratio):
 
 @kernel
 def _size(v):
-    return np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
 
 
 @kernel
-def spread(chain):
-    """Set the segments' frames so that the end's turn is spread evenly along the chain."""
+def spread(chain, turns):
+    """Set the segments' frames so that the end's turn is spread evenly along the chain.
+
+    ``turns`` whole turns are added to it. Returns its angle without them, from 0 to π.
+    """
     s, frames, e = chain.s, chain.frames, chain.end
     m = s.shape[0] - 1
     q = frames[m + 1]
     x, y, z = logarithm(*product(q[0], q[1], q[2], q[3], e[0], -e[1], -e[2], -e[3]))
+    angle = math.sqrt(x * x + y * y + z * z)
+    factor = 1.0 + 2.0 * math.pi * turns / angle if angle > 0.0 else 1.0
     for k in range(m):
-        at = 0.5 * (s[k] + s[k + 1])
+        at = 0.5 * factor * (s[k] + s[k + 1])
         r = frames[k + 1]
         r[0], r[1], r[2], r[3] = exponential(at * x, at * y, at * z)
+    return angle
 
 
 @kernel

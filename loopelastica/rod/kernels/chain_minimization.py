@@ -5,9 +5,10 @@ shifted until they lead downhill; a line search on energy + μ |constraint|₁ w
 correction makes it robust. Near a solution steps are whole, H is not shifted and exact: errors are
 squared from step to step.
 
-A chain is first tried from frames given, or with the end's turn spread evenly; then from its rest
-shape, and bowed; then the end clamp is moved from that of the rest shape to the one given, in steps
-that adapt. What arrives is judged by other formulas (``chain_check``).
+A chain is first tried from frames given, or with the end's turn spread evenly, a large one both
+ways round; where that fails from its rest shape, and bowed; then the end clamp is moved from that
+of the rest shape to the one given, in steps that adapt. What arrives is judged by other formulas
+(``chain_check``).
 """
 
 import math
@@ -65,6 +66,8 @@ _FLAT = 1e-6
 _CLOSED, _BALANCED, _CONFIRMED = 1e-11, 1e-10, 1e-8
 # bend that leaves a saddle, and how many times
 _BOW, _BOWS = 0.07, 3
+# turn of the end beyond which both ways round are tried, rad
+_FAR = 2.0
 # attempts where the first fails: the rest shape, bowed by so many rad, the end clamp moved, bowed
 _ATTEMPTS, _BY_MOVING, _BEND = 12, 5, 0.8
 # first and least part of the way that the end clamp is moved at once; how many moves
@@ -274,15 +277,26 @@ def _by_moving_the_end(room, position, q):
 @kernel
 def _deform(room, position, q, guess, minimized):
     """From starts to a solution: (status, energy, Morse index). No guess is one of no rows."""
-    frames = room.chain.frames
+    frames, angle = room.chain.frames, 0.0
     m = frames.shape[0] - 2
     _reset(room, q)
     if guess.shape[0] == m:
         for k in range(m):
             copy(guess[k], frames[k + 1])
     else:
-        spread(room.chain)
+        angle = spread(room.chain, 0.0)
     status, energy, index = minimize_chain(room, position, minimized)
+    if status == _CONVERGED and angle > _FAR:
+        # the other way round may be the shorter one
+        copy_rows(frames, room.kept)
+        copy(room.force, room.kept_force)
+        _reset(room, q)
+        spread(room.chain, -1.0)
+        other, other_energy, other_index = minimize_chain(room, position, minimized)
+        if other == _CONVERGED and other_energy < energy:
+            return other, other_energy, other_index
+        copy_rows(room.kept, frames)
+        copy(room.kept_force, room.force)
     if status == _CONVERGED or not minimized:
         return status, energy, index
     for attempt in range(_ATTEMPTS):
@@ -291,7 +305,7 @@ def _deform(room, position, q, guess, minimized):
         else:
             _reset(room, q)
             if attempt > 0:
-                spread(room.chain)
+                spread(room.chain, 0.0)
                 bow(room.chain, _BEND if attempt % 2 else -_BEND, attempt)
             status, energy, index = minimize_chain(room, position, True)
         if status == _CONVERGED:

@@ -41,7 +41,26 @@ _MEASURES: dict[str, Callable[[Sequence[Row]], float]] = {
 }
 
 
-def report(rows: Sequence[Row], motifs: Sequence[Row], lengths: Sequence[Row]) -> str:
+_TRIALS = {
+    "name": ("pattern", ""),
+    "pattern": ("loop", ""),
+    "loops": ("loops", ""),
+    "sequences": ("sequences", ""),
+    "families": ("families", ""),
+    "judged": ("judged", ""),
+    "own_median_A": ("its mean: median (Å)", ".2f"),
+    "own_mean_A": ("mean (Å)", ".2f"),
+    "all_median_A": ("all: median (Å)", ".2f"),
+    "all_mean_A": ("mean (Å) ", ".2f"),
+}
+
+
+def report(
+    rows: Sequence[Row],
+    motifs: Sequence[Row],
+    lengths: Sequence[Row],
+    trials: Sequence[Row],
+) -> str:
     """The tables of the study.
 
     Parameters
@@ -51,6 +70,8 @@ def report(rows: Sequence[Row], motifs: Sequence[Row], lengths: Sequence[Row]) -
         into them.
     motifs, lengths : sequence of mapping
         As in ``motifs.json``.
+    trials : sequence of mapping
+        Of :func:`loopelastica.studies.motifs.trials.trial_rows`.
 
     Returns
     -------
@@ -70,6 +91,13 @@ def report(rows: Sequence[Row], motifs: Sequence[Row], lengths: Sequence[Row]) -
         lines += ["", f"## {acid}, 3 to 9 nucleotides", ""]
         lines.append(_answers([row for row in rows if row["acid"] == acid]))
     lines += ["", "## Motifs, and one shape per length", "", _shapes([*motifs, *lengths])]
+    lines += [
+        "",
+        "Patterns that were tried: mean over loops that have it against mean over all of the"
+        " length, nothing of the same family (of GNRA and UNCG other sequences):",
+        "",
+        markdown_table(list(trials), _TRIALS),
+    ]
     lines += ["", "## Expected errors", "", _coverage(rows), ""]
     return "\n".join(lines)
 

@@ -17,6 +17,7 @@ from loopelastica.studies.motifs.corpus import StudyLoop, library_of, read_corpu
 from loopelastica.studies.motifs.judge import ENTRY, LEVELS, RELATIVES, rows_of
 from loopelastica.studies.motifs.report import report
 from loopelastica.studies.motifs.tables import error_tables, length_rows, motif_rows
+from loopelastica.studies.motifs.trials import trial_rows
 
 COLUMNS = (
     "source", "loop", "acid", "family", "motif", "n", "level", "place", "kind", "energy",
@@ -68,7 +69,7 @@ def run(folder: Path, out: Path, progress: bool = False) -> Done:
         "lengths": lengths,
         "errors": error_tables(calibrating(rows)),
     }
-    tables = report(rows, motifs, lengths)
+    tables = report(rows, motifs, lengths, trial_rows(loops, library))
     counts = f"{len(failures)} files could not be read, {len(left_out)} loops were not judged:"
     sentences = [f"- {printable(sentence)}" for sentence in failures + left_out]
     out.mkdir(parents=True, exist_ok=True)
