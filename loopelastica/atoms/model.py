@@ -130,7 +130,7 @@ def build_atoms(
     --------
     >>> import loopelastica as le
     >>> from loopelastica._files import data_path
-    >>> (loop,) = le.fold(data_path("hairpins/2koc.pdb"), all_models=False)
+    >>> (loop,) = le.fold(data_path("hairpins/2koc.pdb"), all_models=False, shapes="rod")
     >>> build_atoms(data_path("hairpins/2koc.pdb"), loop, max_candidates=1)
     [<AtomModel 1: 90 atoms, sound, RMSD 2.34 Å>]
     """

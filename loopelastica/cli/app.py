@@ -14,6 +14,7 @@ from loopelastica.cli.library import library
 from loopelastica.cli.program import EPILOG, Command, Program
 from loopelastica.cli.rod import solve, warm
 from loopelastica.cli.structure import hairpins, scan
+from loopelastica.cli.studies import studies
 
 app = typer.Typer(
     cls=Program,
@@ -29,6 +30,7 @@ for command in (fold, fill, build, evaluate, scan, hairpins, solve, warm):
     app.command(cls=Command)(command)
 app.add_typer(library, name="library")
 app.add_typer(bench, name="bench")
+app.add_typer(studies, name="studies")
 
 
 def _version(requested: bool) -> None:

@@ -1,7 +1,5 @@
 """``loopelastica bench``: the solvers and the atoms measured, a command for each study."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -15,16 +13,6 @@ bench = typer.Typer(help="Measure the solvers; write tables and pictures.", no_a
 _RESULTS = Path("loopelastica-bench")
 _Out = Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")]
 _Seed = Annotated[int, typer.Option(help="Seed of the random rods and poses.", min=0)]
-
-
-@contextmanager
-def _study(out: Path) -> Iterator[None]:
-    """Make the folder before the study, keep other runs out of it, and say where it is."""
-    from loopelastica.batch.lock import alone_in
-
-    with alone_in(out):
-        yield
-    tell(f"written to {out}")
 
 
 @bench.command("paper", cls=Command)
@@ -46,7 +34,7 @@ def bench_paper(
     )
     from loopelastica.studies.bench.paper import run
 
-    with _study(out):
+    with o.study(out):
         run(
             out,
             full=full,
@@ -65,12 +53,12 @@ def bench_atoms(
     ] = None,
 ) -> None:
     """Build the first candidate's atoms for every simple loop of a folder; judge the models."""
-    from loopelastica.batch.sources import structure_files
+    from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.bench.atoms import run
 
     with o.usage():
         structure_files(folder)  # before a folder is made
-    with _study(out):
+    with o.study(out):
         for line in run(folder, out, sample=sample, progress=True).splitlines():
             tell(line)
 
@@ -89,13 +77,13 @@ def bench_strands(
     ] = False,
 ) -> None:
     """Take strands out of structures, fill them again, and compare with simpler curves."""
-    from loopelastica.batch.sources import structure_files
+    from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.strands.deletion import run
 
     with o.usage():
         for folder in folders:
             structure_files(folder)  # before a folder is made
-    with _study(out):
+    with o.study(out):
         for line in run(folders, out, sample=sample, pdbfixer=pdbfixer, progress=True).splitlines():
             tell(line)
 
@@ -109,7 +97,7 @@ def bench_stability(
     """Solve stiff, extreme and degenerate clampings; judge each result independently."""
     from loopelastica.studies.bench.stability import run
 
-    with _study(out):
+    with o.study(out):
         run(out, full=full, seed=seed, progress=True)
 
 
@@ -122,7 +110,7 @@ def bench_accuracy(
     """Compare error and run time with the paper's method and SciPy's, on the same targets."""
     from loopelastica.studies.bench.accuracy import run
 
-    with _study(out):
+    with o.study(out):
         run(out, full=full, seed=seed, progress=True)
 
 
@@ -135,5 +123,5 @@ def bench_scaling(
     """Measure time and memory over the number of rods, threads, length and equilibria."""
     from loopelastica.studies.bench.scaling import run
 
-    with _study(out):
+    with o.study(out):
         run(out, full=full, seed=seed, progress=True)

@@ -163,6 +163,16 @@ def usage() -> Iterator[None]:
         raise typer.BadParameter(printable(in_options(str(error)))) from None
 
 
+@contextmanager
+def study(out: Path) -> Iterator[None]:
+    """Make the folder before the study, keep other runs out of it, and say where it is."""
+    from loopelastica.batch.lock import alone_in
+
+    with alone_in(out):
+        yield
+    tell(f"written to {out}")
+
+
 def either(jobs: int | None, scheduler: str | None) -> tuple[bool, str]:
     """The rule that workers are those of a cluster of one's own or of another."""
     return jobs is not None and scheduler is not None, "--jobs goes without --scheduler"

@@ -58,6 +58,13 @@ def fold(structure: Any, /, options: FoldOptions) -> list[LoopFold]:
     --------
     >>> from loopelastica._files import data_path
     >>> (loop,) = fold(data_path("hairpins/2koc.pdb"), all_models=False)
+    >>> first = loop.candidates[0]
+    >>> print(first.shape.split(",")[0], first.rmsd_A < first.expected_rmsd_A[2] < 6.0)
+    motif UNCG True
+
+    As rods by the rule alone:
+
+    >>> (loop,) = fold(data_path("hairpins/2koc.pdb"), all_models=False, shapes="rod")
     >>> loop
     <LoopFold A6-9 CUUCGG: 3 candidates, first straight rod, E/K0 0.302 1/Å, RMSD 2.12 Å>
     """

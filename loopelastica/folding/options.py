@@ -136,7 +136,8 @@ class FoldOptions(LoopOptions):
         A structure file whose loop this one is taken to be like, "FILE", or which of its loops,
         "FILE:A.4-A.9", by its closing pair.
     library : str, optional
-        File of a library of loops. Default: the one that comes with the program.
+        File of a library of loops, or a folder of structures to take them from. Default: the
+        library that comes with the program.
     exclude_relatives : bool
         Use no shape of a loop that is related to this one, for honest tests.
     surroundings : bool

@@ -34,6 +34,8 @@ _NOT_HERE = {
 class LoopElastica(AnalysisBase):  # type: ignore[misc]
     """First-ranked elastic line of every hairpin loop in every frame.
 
+    Rods alone (``shapes="rod"``) take about half of the time of all shapes.
+
     Parameters
     ----------
     atoms : MDAnalysis.Universe or MDAnalysis.AtomGroup
@@ -71,7 +73,7 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
     >>> from loopelastica.molecule.reading import quiet
     >>> with quiet():
     ...     universe = mda.Universe(data_path("hairpins/2koc.pdb"))
-    ...     analysis = LoopElastica(universe).run(stop=3)
+    ...     analysis = LoopElastica(universe, shapes="rod").run(stop=3)
     >>> print(analysis.results.rmsd_A.round(2).ravel())
     [2.12 2.05 1.87]
     """

@@ -50,7 +50,8 @@ def to_dataframe(results: Iterable[LoopFold | _Records] | _Records) -> DataFrame
     --------
     >>> import loopelastica as le
     >>> from loopelastica._files import data_path
-    >>> table = to_dataframe(le.fold(data_path("hairpins/2koc.pdb"), all_models=False))
+    >>> folds = le.fold(data_path("hairpins/2koc.pdb"), all_models=False, shapes="rod")
+    >>> table = to_dataframe(folds)
     >>> print(table.loc[0, "sequence"], round(table.loc[0, "rmsd_A"], 2))
     CUUCGG 2.12
     """

@@ -114,8 +114,8 @@ def deform_batch(
     """
     shapes = _rows("steps", steps, 3)
     m = shapes.shape[1]
-    if m == 0 or shapes.shape[2] != 3:
-        raise ValueError(f"`steps` has shape {shapes.shape}; it must be (k, m, 3) with m ≥ 1")
+    if m < 2 or shapes.shape[2] != 3:
+        raise ValueError(f"`steps` has shape {shapes.shape}; it must be (k, m, 3) with m ≥ 2")
     ends = _rows("end_frames", end_frames, 3, (3, 3))
     places = _rows("positions", positions, 2, (3,))
     frames = _rows("rotations", rotations, 3, (3, 3))
@@ -149,10 +149,9 @@ def _rows(name: str, values: ArrayLike, dimensions: int, shape: tuple[int, ...] 
 
 def _common(given: dict[str, Array]) -> int:
     """How many rows there are; ValueError if an array has neither one nor as many as the others."""
-    k = max((len(values) for values in given.values()), default=1)
-    if any(len(values) == 0 for values in given.values()):
-        k = 0
-    for name, values in given.items():
-        if len(values) not in (1, k):
-            raise ValueError(f"`{name}` has {len(values)} rows; it must have 1 or {k}")
+    counts = [len(values) for values in given.values()]
+    k = 0 if 0 in counts else max(counts)
+    if any(count not in (1, k) for count in counts):
+        names = ", ".join(f"`{name}` has {len(values)}" for name, values in given.items())
+        raise ValueError(f"rows do not go together: {names}; each must have 1 or as many as others")
     return k

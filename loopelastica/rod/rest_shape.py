@@ -65,9 +65,9 @@ class RestShape(Record):
 
     def __post_init__(self) -> None:
         steps = array("steps", self.steps)
-        if steps.ndim != 2 or steps.shape[1:] != (3,) or not 1 <= len(steps) <= _MOST_SEGMENTS:
+        if steps.ndim != 2 or steps.shape[1:] != (3,) or not 2 <= len(steps) <= _MOST_SEGMENTS:
             raise ValueError(
-                f"`steps` has shape {steps.shape}; it must be (m, 3), m from 1 to {_MOST_SEGMENTS}"
+                f"`steps` has shape {steps.shape}; it must be (m, 3), m from 2 to {_MOST_SEGMENTS}"
             )
         sizes = np.hypot(np.hypot(steps[:, 0], steps[:, 1]), steps[:, 2])
         if not np.isfinite(steps).all():
@@ -126,13 +126,15 @@ class RestShape(Record):
         ValueError
             If a rate is not finite, or turns a segment by more than half a turn.
         """
-        m = whole(1)("segments", segments)
+        m = whole(2)("segments", segments)
         if m > _MOST_SEGMENTS:
             raise ValueError(f"`segments` is {m}; it must be at most {_MOST_SEGMENTS}")
         given = {"curvature_1": curvature_1, "curvature_2": curvature_2, "twist": twist}
         middles = (np.arange(m) + 0.5) / m
         rates = np.stack([_rates(name, rate, middles) for name, rate in given.items()], axis=1)
-        if np.linalg.norm(rates, axis=1).max() > math.pi * m:
+        half = math.pi * m
+        # large ones by their largest entry: squares overflow
+        if np.abs(rates).max() > half or np.linalg.norm(rates, axis=1).max() > half:
             raise ValueError(
                 f"`segments` is {m}; with these rates a segment turns by more than half a turn"
             )
@@ -167,16 +169,17 @@ class RestShape(Record):
         Raises
         ------
         ValueError
-            If there are fewer than two points, two neighbours are one, or a frame is no rotation.
+            If there are fewer than three points, two neighbours are one, or a frame is no rotation.
         """
         places = array("points", points)
-        if places.ndim != 2 or places.shape[1:] != (3,) or len(places) < 2:
+        if places.ndim != 2 or places.shape[1:] != (3,) or len(places) < 3:
             raise ValueError(
-                f"`points` has shape {places.shape}; it must be (m + 1, 3), two points or more"
+                f"`points` has shape {places.shape}; it must be (m + 1, 3), three points or more"
             )
         if not np.isfinite(places).all():
             raise ValueError("`points` has an entry that is not finite")
-        steps = np.diff(places, axis=0)
+        with np.errstate(over="ignore"):
+            steps = np.diff(places, axis=0)
         if not steps.any(axis=1).all():
             k = int(np.argmin(steps.any(axis=1)))
             raise ValueError(f"`points` has the same point twice, numbers {k} and {k + 1}")

@@ -41,6 +41,14 @@ with event.install_recorder("numba:compile") as compiled:
     for obstacles in (None, places[:0], places):
         ends = (0, 0, 0), (0, 0, 1), (0.4, 0, 0), frames[0][:, 2]
         surrounded_rods(*ends, 1, obstacles, cutoff=0.3, stiffness=1, max_iterations=3)
+    from loopelastica.rod.chain import deform_batch
+    steps = places[:24].reshape(4, 6, 3)
+    deform_batch(steps, frames[:4], steps.sum(axis=1) / 2, frames[4:8], torsion_ratio=0.7)
+    deform_batch(steps[0], frames[0], steps.sum(axis=1) / 2, frames[4:8], np.ones(7))
+    shape = le.RestShape.from_rates(0, lambda s: 2 * s, 1, 20)
+    for free_spin in (False, True):
+        clamping = le.Clamping(0.9 * shape.clamping.position, frames[0], free_spin)
+        shape.deform(clamping, guess=shape.deform(clamping)), shape.equilibria(clamping, 2)
     aligned = le.solve(le.Clamping([0, 0, 0.5], np.eye(3)))
     le.continue_clamping(aligned, le.Clamping([0, 0.1, 0.5], np.eye(3)))
 print(*sorted({e.data["dispatcher"].py_func.__name__ for _, e in compiled.buffer}))

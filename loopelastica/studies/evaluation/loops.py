@@ -13,17 +13,21 @@ from loopelastica.batch.run import Task, Work
 from loopelastica.errors import StructureError
 from loopelastica.folding.clamping import clamping_of
 from loopelastica.folding.fold import fold_model
+from loopelastica.folding.hypotheses import STRAIGHT, scene_of
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.result import LoopFold
+from loopelastica.folding.surroundings import SURROUNDED
 from loopelastica.molecule.clamp_rule import StemClamp, plain_clamp
 from loopelastica.molecule.ends import FittedStem, StemEnds, fit_stem
 from loopelastica.molecule.hairpins import find_hairpins
-from loopelastica.molecule.nucleotides import Limits, read_structure
+from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.molecule.trace import loop_arc_positions, rmsd_A, to_file_coordinates
 from loopelastica.rod.solve import solve
 from loopelastica.studies.evaluation.curves import arc, chord, hermite, stem_axes
 
-PLAIN: dict[str, Any] = {"stem_extend_5": 0, "stem_extend_3": 0, "taper": 0.0}
+# nothing that is related to a loop is known of it, and no answer is left out
+HONEST: dict[str, Any] = {"exclude_relatives": True, "max_candidates": 1000}
+PLAIN: dict[str, Any] = {"stem_extend_5": 0, "stem_extend_3": 0, "taper": 0.0, "shapes": "rod"}
 CURVES = {"chord": chord, "arc": arc, "hermite": hermite}
 # clamps among which the constants are refitted: extensions of both strands, tapers of the 3' one
 EXTENSIONS = tuple(product(range(3), range(4)))
@@ -37,10 +41,11 @@ COLUMNS = (
     *("file", "loop", "set", "kind", "type", "family", "closing_pair", "closing_type"),
     *("sequence", "nucleotides", "stem_pairs", "contacts", "simple", "free_nucleotides"),
     *("stem_extend_5", "stem_extend_3", "taper", "stem_rms_A", "energy_per_A", "energy_EL"),
-    *("touching", "stem_contact_A", "n_candidates", "rank_of_best"),
+    *("touching", "stem_contact_A", "n_candidates", "rank_of_best", "shape", "shape_source"),
+    *("expected_10_A", "expected_50_A", "expected_90_A", "inside"),
     *("rmsd_first_A", "rmsd_best5_A", "rmsd_best_A"),
     *("n_models", "models_first_A", "models_first_sd_A", "models_best5_A", "models_best_A"),
-    *("plain_rod_A", "chord_A", "arc_A", "hermite_A"),
+    *("rod_A", "surrounded_A", "plain_rod_A", "chord_A", "arc_A", "hermite_A"),
     *("plain_chord_A", "plain_arc_A", "plain_hermite_A"),
 )
 
@@ -52,14 +57,15 @@ def evaluate_file(task: Task) -> Record:
     mean loops) and ``grid`` (the RMSD at each of `TAPERS` × `EXTENSIONS`, for refits).
     """
     source = Path(task.source)
-    structure = read_structure(source, Limits(**task.options))
+    options = FoldOptions(**task.options)
+    structure = read_structure(source, options.limits)
     hairpins = find_hairpins(structure)
     rows, failures = [], []
-    options = FoldOptions(max_candidates=1000)
-    plain = FoldOptions(max_candidates=1000, **PLAIN)
+    plain = FoldOptions(**task.options | PLAIN)
+    scene = scene_of(structure, options)
     models = list(structure.models())
     for hairpin in hairpins:
-        folds = [fold_model(structure.nucleotides, hairpin, x, options) for x in models]
+        folds = [fold_model(structure.nucleotides, hairpin, x, options, scene) for x in models]
         first = folds[0]
         if first.failure is not None:
             failures.append(f"{source}: {first.failure}")
@@ -69,7 +75,8 @@ def evaluate_file(task: Task) -> Record:
             continue
         plain_fold = fold_model(structure.nucleotides, hairpin, models[0], plain)
         stem = fit_stem(structure.nucleotides, hairpin, models[0])
-        row = _about(source, first, len(hairpins)) | _by_rank(folds) | _by_curves(first, plain_fold)
+        row = _about(source, first, len(hairpins)) | _by_rank(folds) | _by_shape(first)
+        row |= _by_curves(first, plain_fold)
         native = np.asarray(first.backbone_A)[1:-1]
         middle, axes = stem_axes(stem.ends(plain_clamp(hairpin.is_dna)))
         row["native"] = ((native - middle) @ axes).tolist()
@@ -148,6 +155,39 @@ def _by_rank(folds: list[LoopFold]) -> dict[str, Any]:
         "models_best5_A": mean[1],
         "models_best_A": mean[2],
     }
+
+
+def _by_shape(fold: LoopFold) -> dict[str, Any]:
+    """What the first answer is, its expected error, and whether it held; RMSD of the rods."""
+    first = fold.candidates[0]
+    low, middle, high = first.expected_rmsd_A.tolist()
+    assert first.rmsd_A is not None
+    rods = {
+        name: next((c.rmsd_A for c in fold.candidates if c.shape == shape), None)
+        for name, shape in (("rod_A", STRAIGHT), ("surrounded_A", SURROUNDED))
+    }
+    return {
+        "shape": first.shape,
+        "shape_source": shape_source(first.shape),
+        "expected_10_A": low,
+        "expected_50_A": middle,
+        "expected_90_A": high,
+        "inside": low <= first.rmsd_A <= high,
+        **rods,
+    }
+
+
+def shape_source(shape: str) -> str:
+    """Where a shape is from, without what it is made of in this case.
+
+    >>> shape_source("motif GNRA, 83 loops"), shape_source("mean of 40 loops")
+    ('motif GNRA', 'mean of its length')
+    >>> shape_source("library 3d2v A.17-A.22 (UUCA)"), shape_source("straight rod")
+    ('library', 'straight rod')
+    """
+    if shape.startswith("mean of "):
+        return "mean of its length"
+    return "library" if shape.startswith("library ") else shape.split(",")[0]
 
 
 def _by_curves(fold: LoopFold, plain: LoopFold) -> dict[str, Any]:

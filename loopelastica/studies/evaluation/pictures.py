@@ -9,7 +9,8 @@ import numpy as np
 from loopelastica.studies.figures import new_figure, save_figure
 
 _SHOWN = {
-    "rmsd_first_A": "rod, rule",
+    "rmsd_first_A": "first answer",
+    "rod_A": "rod, rule",
     "plain_rod_A": "rod at the closing pair",
     "hermite_A": "cubic Hermite",
     "arc_A": "circular arc",
@@ -17,14 +18,20 @@ _SHOWN = {
     "mean_loop_A": "mean loop",
 }
 
+_LEAST_A = 0.1
+_TICKS_A = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
+
 
 def draw(rows: list[dict[str, Any]], out: Path) -> None:
-    """Write ``rmsd_by_length.png``, ``energy_and_rmsd.png`` and ``rank_of_best.png``.
+    """Write the pictures of the scoreboard.
+
+    ``rmsd_by_length.png``, ``energy_and_rmsd.png``, ``rank_of_best.png`` and
+    ``expected_and_true_error.png``.
 
     Parameters
     ----------
     rows : list of dict
-        Of all loops; simple ones are drawn.
+        Of all loops; simple ones are drawn, and all where errors were expected.
     out : Path
         Folder.
     """
@@ -32,6 +39,7 @@ def draw(rows: list[dict[str, Any]], out: Path) -> None:
     _picture(out / "rmsd_by_length.png", lambda axes: _by_length(axes, simple))
     _picture(out / "energy_and_rmsd.png", lambda axes: _energy(axes, simple))
     _picture(out / "rank_of_best.png", lambda axes: _rank(axes, simple))
+    _picture(out / "expected_and_true_error.png", lambda axes: _expected(axes, rows))
 
 
 def _picture(path: Path, fill: Callable[[Any], None]) -> None:
@@ -63,7 +71,7 @@ def _energy(axes: Any, rows: list[dict[str, Any]]) -> None:
     for k, name in enumerate(sorted({row["set"] for row in rows})):
         points = [(r["energy_per_A"], r["rmsd_first_A"]) for r in rows if r["set"] == name]
         axes.plot(*np.transpose(points), "o", color=f"C{k}", ms=4, label=name)
-    axes.set_xlabel("E/K0 of the first-ranked rod (1/Å)")
+    axes.set_xlabel("E/K0 of the first answer (1/Å)")
     axes.set_ylabel("RMSD (Å)")
     axes.set_ylim(bottom=0)
     axes.set_title("Energy is no confidence", fontsize=10)
@@ -78,3 +86,31 @@ def _rank(axes: Any, rows: list[dict[str, Any]]) -> None:
     axes.set_xticks(np.arange(1, len(counts) + 1))
     axes.set_xlabel("rank of the candidate nearest to the file's loop")
     axes.set_ylabel("loops")
+
+
+def _expected(axes: Any, rows: list[dict[str, Any]]) -> None:
+    """Points within their bars held what was expected."""
+    low, middle, high, error = (
+        # on these axes there is no zero
+        np.maximum([row[name] for row in rows], _LEAST_A)
+        for name in ("expected_10_A", "expected_50_A", "expected_90_A", "rmsd_first_A")
+    )
+    axes.vlines(middle, low, high, color="0.8", lw=1.0, zorder=1, label="80 % interval")
+    inside = np.array([row["inside"] for row in rows], dtype=bool)
+    for of, color, label in ((inside, "C0", "inside"), (~inside, "C3", "outside")):
+        label = f"{label} ({of.sum()} loops)"
+        axes.plot(middle[of], error[of], ".", color=color, ms=4, alpha=0.7, label=label)
+    limits = min(middle.min(), error.min(), low.min()), max(error.max(), high.max())
+    axes.plot(limits, limits, color="0.3", lw=0.8, zorder=1)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    from matplotlib.ticker import FixedLocator, NullLocator
+
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(FixedLocator(_TICKS_A))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_locator(NullLocator())
+    axes.set_xlim(0.9 * middle.min(), 1.1 * middle.max())
+    axes.set_xlabel("expected error of the first answer, median (Å)")
+    axes.set_ylabel("RMSD (Å)")
+    axes.legend(fontsize=8)

@@ -12,13 +12,12 @@ import csv
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from tqdm import tqdm
 
 from loopelastica._arrays import Array, Record
-from loopelastica.batch.sources import structure_files
 from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.fold import fold_model
 from loopelastica.folding.library import Library
@@ -27,12 +26,15 @@ from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.shape_table import FoundLoop, letters_of, table_of
 from loopelastica.molecule.clamp_rule import STEM_RMS_MAX_A
 from loopelastica.molecule.ends import ClosingPoses
+from loopelastica.molecule.folders import structure_files
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
 from loopelastica.molecule.identity import entry_of
 from loopelastica.molecule.nucleotides import Structure, read_structure
 from loopelastica.molecule.shapes import loop_shape
 
 SHORTEST, LONGEST = 3, 12
+COLUMNS: Final = ("file", "sequence")
+"""Without these the table of a folder says nothing."""
 STEPS_A = (2.0, 9.5)
 """Beyond, two neighbouring centroids are no neighbours."""
 NOT_EVIDENCE = ("2l5k",)
@@ -91,8 +93,25 @@ class StudyLoop(Record):
         return f"<StudyLoop {self.found.shape.source} {self.loop}>"
 
 
-def read_corpus(folder: Path, progress: bool = False) -> tuple[list[StudyLoop], list[str]]:
-    """The loops of a folder that can be judged, and a sentence for each that cannot.
+class Corpus(NamedTuple):
+    """What a folder holds: loops by file, one of each sequence in an entry, and the rest in words.
+
+    Attributes
+    ----------
+    loops : list of StudyLoop
+    left_out : list of str
+        A sentence for each loop that is no case of the study.
+    failures : list of str
+        A sentence for each file that cannot be read.
+    """
+
+    loops: list[StudyLoop]
+    left_out: list[str]
+    failures: list[str]
+
+
+def read_corpus(folder: Path, progress: bool = False) -> Corpus:
+    """The loops of a folder that can be judged.
 
     Parameters
     ----------
@@ -103,19 +122,24 @@ def read_corpus(folder: Path, progress: bool = False) -> tuple[list[StudyLoop], 
 
     Returns
     -------
-    loops : list of StudyLoop
-        One of each sequence in an entry, by file.
-    left_out : list of str
+    Corpus
+
+    Raises
+    ------
+    LoopelasticaError
+        If the folder's table cannot be read.
+    ValueError
+        If `folder` holds no structure file.
     """
     table = _table(folder)
-    loops, left_out, seen = [], [], set()
+    loops, left_out, failures, seen = [], [], [], set()
     for path in tqdm(structure_files(folder), unit="file", disable=not progress):
         rows = table.get(path.name, []) if table else [{}]
         try:
             structure = read_structure(path)
             found = [pair for row in rows for pair in _named(structure, row)]
         except LoopelasticaError as error:
-            left_out.append(f"{path.name}: {error}")
+            failures.append(str(error))
             continue
         if not found:
             left_out.append(f"{path.name}: no such loop is found in it")
@@ -126,7 +150,7 @@ def read_corpus(folder: Path, progress: bool = False) -> tuple[list[StudyLoop], 
             elif (key := (loop.found.entry, loop.hairpin.sequence)) not in seen:
                 seen.add(key)
                 loops.append(loop)
-    return _with_families(loops), left_out
+    return Corpus(_with_families(loops), left_out, failures)
 
 
 def library_of(loops: Iterable[StudyLoop]) -> Library:
@@ -137,10 +161,19 @@ def library_of(loops: Iterable[StudyLoop]) -> Library:
 def _table(folder: Path) -> dict[str, list[dict[str, str]]]:
     path = folder / "loops.csv"
     table: dict[str, list[dict[str, str]]] = {}
-    if path.is_file():
-        with path.open(encoding="utf-8", newline="") as file:
-            for row in csv.DictReader(file):
-                table.setdefault(row["file"], []).append(row)
+    if not path.is_file():
+        return table
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = list(csv.DictReader(file, restval=""))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise LoopelasticaError(f"{path}: this is no table ({error})") from None
+    missing = [name for name in COLUMNS if rows and name not in rows[0]]
+    if missing or not rows:
+        lack = f"column {missing[0]}" if missing else "row"
+        raise LoopelasticaError(f"{path}: it has no {lack}; which loops count it cannot say")
+    for row in rows:
+        table.setdefault(row["file"], []).append(row)
     return table
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,12 +10,12 @@ import numpy as np
 from loopelastica._arrays import Array
 from loopelastica.folding.known import FIRST
 from loopelastica.studies.bench.markdown import markdown_table
+from loopelastica.studies.coverage import coverage
 from loopelastica.studies.motifs.judge import ENTRY, LEVELS, RELATIVES, per_sequence
 from loopelastica.studies.motifs.tables import (
     by_kind,
     held_out,
     sequence_weights,
-    weighted_quantiles,
 )
 
 Row = Mapping[str, Any]
@@ -42,13 +41,27 @@ _MEASURES: dict[str, Callable[[Sequence[Row]], float]] = {
 }
 
 
+_TRIALS = {
+    "name": ("pattern", ""),
+    "pattern": ("loop", ""),
+    "loops": ("loops", ""),
+    "sequences": ("sequences", ""),
+    "families": ("families", ""),
+    "judged": ("judged", ""),
+    "own_median_A": ("its mean: median (Å)", ".2f"),
+    "own_mean_A": ("mean (Å)", ".2f"),
+    "all_median_A": ("all: median (Å)", ".2f"),
+    "all_mean_A": ("mean (Å) ", ".2f"),
+}
+
+
 def report(
     rows: Sequence[Row],
     motifs: Sequence[Row],
     lengths: Sequence[Row],
-    left_out: Sequence[str],
+    trials: Sequence[Row],
 ) -> str:
-    """The report of the study.
+    """The tables of the study.
 
     Parameters
     ----------
@@ -57,8 +70,8 @@ def report(
         into them.
     motifs, lengths : sequence of mapping
         As in ``motifs.json``.
-    left_out : sequence of str
-        A sentence for each loop that was not judged.
+    trials : sequence of mapping
+        Of :func:`loopelastica.studies.motifs.trials.trial_rows`.
 
     Returns
     -------
@@ -74,13 +87,19 @@ def report(
         " *relatives out*: other sequences of these motifs were; *entry out*: all other entries"
         " were, as for a user's loop.",
     ]
-    for acid in ("RNA", "DNA"):
+    for acid in sorted({row["acid"] for row in rows}, reverse=True):
         lines += ["", f"## {acid}, 3 to 9 nucleotides", ""]
         lines.append(_answers([row for row in rows if row["acid"] == acid]))
     lines += ["", "## Motifs, and one shape per length", "", _shapes([*motifs, *lengths])]
-    lines += ["", "## Expected errors", "", _coverage(rows)]
-    lines += ["", f"{len(left_out)} loops were not judged:", ""]
-    return "\n".join([*lines, *(f"- {sentence}" for sentence in left_out), ""])
+    lines += [
+        "",
+        "Patterns that were tried: mean over loops that have it against mean over all of the"
+        " length, nothing of the same family (of GNRA and UNCG other sequences):",
+        "",
+        markdown_table(list(trials), _TRIALS),
+    ]
+    lines += ["", "## Expected errors", "", _coverage(rows), ""]
+    return "\n".join(lines)
 
 
 def _answers(rows: Sequence[Row]) -> str:
@@ -152,34 +171,29 @@ def _coverage(rows: Sequence[Row]) -> str:
         for row in wanted
         if row["place"] == 1 and row["level"] == RELATIVES and "expected_50_A" in row
     ]
-    table.append((f"first answers, {RELATIVES}", *_covered(firsts)))
+    if firsts:
+        table.append((f"first answers, {RELATIVES}", *_covered(firsts)))
     head = ("answers", "sequences", "within 80 %", "below median", "90 % / 10 %", "by quarter (Å)")
     return _table((*head, *_CLASSES), table)
 
 
 def _covered(rows: Sequence[Row]) -> tuple[str, ...]:
     error = np.array([row["rmsd_A"] for row in rows])
-    low, middle, high = (np.array([row[f"expected_{q}_A"] for row in rows]) for q in (10, 50, 90))
+    expected = np.array([[row[f"expected_{q}_A"] for q in (10, 50, 90)] for row in rows])
     weights = sequence_weights(rows)
-    inside = (error >= low) & (error <= high)
-
-    def share(of: Array) -> str:
-        total = weights[of].sum()
-        return f"{100.0 * (weights * inside)[of].sum() / total:.0f} %" if total else ""
-
-    bounds = [*weighted_quantiles(middle, weights, [0.0, 0.25, 0.5, 0.75]), np.inf]
-    quarters = [(middle >= a) & (middle < b) for a, b in pairwise(bounds)]
-    medians = [
-        f"{weighted_quantiles(error[of], weights[of], [0.5])[0]:.1f}" for of in quarters if of.any()
-    ]
-    by_class = (np.array([is_of(row) for row in rows]) for is_of in _CLASSES.values())
+    all_of_it = coverage(error, expected, weights)
+    cells = []
+    for is_of in _CLASSES.values():
+        of = np.array([is_of(row) for row in rows])
+        one = coverage(error[of], expected[of], weights[of]) if of.any() else None
+        cells.append("" if one is None else f"{100.0 * one.inside:.0f} % ({one.cases:.0f})")
     return (
-        f"{weights.sum():.0f}",
-        share(np.ones(len(rows), dtype=np.bool_)),
-        f"{100.0 * (weights * (error < middle)).sum() / weights.sum():.0f} %",
-        f"{np.median(high / np.maximum(low, 0.05)):.1f}",
-        ", ".join(medians),
-        *(f"{share(of)} ({weights[of].sum():.0f})" if of.any() else "" for of in by_class),
+        f"{all_of_it.cases:.0f}",
+        f"{100.0 * all_of_it.inside:.0f} %",
+        f"{100.0 * all_of_it.below_50:.0f} %",
+        f"{all_of_it.ratio:.1f}",
+        ", ".join(f"{median:.1f}" for median in all_of_it.quarters_A),
+        *cells,
     )
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from tqdm import tqdm
 
 from loopelastica._files import write_csv, write_json, write_text
+from loopelastica._names import printable
+from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.library import Library
 from loopelastica.folding.library_file import save_library
 from loopelastica.report.records import program
@@ -15,6 +17,7 @@ from loopelastica.studies.motifs.corpus import StudyLoop, library_of, read_corpu
 from loopelastica.studies.motifs.judge import ENTRY, LEVELS, RELATIVES, rows_of
 from loopelastica.studies.motifs.report import report
 from loopelastica.studies.motifs.tables import error_tables, length_rows, motif_rows
+from loopelastica.studies.motifs.trials import trial_rows
 
 COLUMNS = (
     "source", "loop", "acid", "family", "motif", "n", "level", "place", "kind", "energy",
@@ -22,7 +25,14 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def run(folder: Path, out: Path, progress: bool = False) -> str:
+class Done(NamedTuple):
+    """What a study has to say: its tables in markdown, and a sentence for each file it lacks."""
+
+    tables: str
+    failures: list[str]
+
+
+def run(folder: Path, out: Path, progress: bool = False) -> Done:
     """Make ``loops.lib`` and ``motifs.json``, and measure how good answers from them are.
 
     Parameters
@@ -37,12 +47,19 @@ def run(folder: Path, out: Path, progress: bool = False) -> str:
 
     Returns
     -------
-    str
-        The report.
+    Done
+
+    Raises
+    ------
+    LoopelasticaError
+        If there is no loop to judge, or the folder's table cannot be read.
+    ValueError
+        If `folder` holds no structure file.
     """
-    loops, left_out = read_corpus(folder, progress)
+    loops, left_out, failures = read_corpus(folder, progress)
     if not loops:
-        raise ValueError(f"`folder` {folder} holds no loop that can be judged: {left_out[0]}")
+        why = (failures + left_out)[0]
+        raise LoopelasticaError(f"{folder}: no loop in it can be judged; the first: {why}")
     library = library_of(loops)
     rows = answered(loops, library, progress)
     motifs, lengths = motif_rows(loops), length_rows(loops)
@@ -52,13 +69,15 @@ def run(folder: Path, out: Path, progress: bool = False) -> str:
         "lengths": lengths,
         "errors": error_tables(calibrating(rows)),
     }
-    text = report(rows, motifs, lengths, left_out)
+    tables = report(rows, motifs, lengths, trial_rows(loops, library))
+    counts = f"{len(failures)} files could not be read, {len(left_out)} loops were not judged:"
+    sentences = [f"- {printable(sentence)}" for sentence in failures + left_out]
     out.mkdir(parents=True, exist_ok=True)
     save_library(library, out / "loops.lib")
     write_json(out / "motifs.json", content)
     write_csv(out / "answers.csv", ({c: row.get(c) for c in COLUMNS} for row in rows), COLUMNS)
-    write_text(out / "motifs.md", text)
-    return text
+    write_text(out / "motifs.md", "\n".join([tables, counts, "", *sentences, ""]))
+    return Done(tables, failures)
 
 
 def answered(

@@ -11,6 +11,7 @@ from loopelastica._arrays import Array
 from loopelastica.folding.motifs import CLASSES, SHIFT_A, class_of, signs
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.rod.chain import deform_batch
+from loopelastica.studies.coverage import weighted_quantiles
 from loopelastica.studies.motifs.corpus import MOTIFS, StudyLoop
 from loopelastica.studies.motifs.judge import per_sequence
 
@@ -24,10 +25,12 @@ FEWEST: Final = 8
 
 
 def motif_rows(loops: Sequence[StudyLoop]) -> list[dict[str, Any]]:
-    """The motifs: shape, pattern, counts, errors on sequences that were not in it."""
+    """The motifs of two sequences at least: shape, pattern, counts, errors on others of them."""
+    of = {name: [x for x in loops if x.motif == name] for name in MOTIFS}
     return [
-        _row(name, pattern, "RNA", [x for x in loops if x.motif == name])
+        _row(name, pattern, "RNA", of[name])
         for name, pattern in MOTIFS.items()
+        if len({x.loop for x in of[name]}) >= 2
     ]
 
 
@@ -142,12 +145,12 @@ def fit(rows: Sequence[Mapping[str, Any]]) -> tuple[Array, dict[str, Array]]:
         if out.any():
             inside = ~out if (~out).any() else out
             residual[out] = y[out] - x[out] @ _solve(x[inside], y[inside], weights[inside])
-    pooled = weighted_quantiles(residual, weights)
+    pooled = weighted_quantiles(residual, weights, QUANTILES)
     quantiles = {}
     for _, name in CLASSES:
         of = np.array([class_of(row["n"]) == name for row in rows])
         share = weights[of].sum() / (weights[of].sum() + POOLED)
-        own = weighted_quantiles(residual[of], weights[of]) if of.any() else pooled
+        own = weighted_quantiles(residual[of], weights[of], QUANTILES) if of.any() else pooled
         quantiles[name] = share * own + (1.0 - share) * pooled
     return _solve(x, y, weights), quantiles
 
@@ -159,13 +162,6 @@ def sequence_weights(rows: Sequence[Mapping[str, Any]]) -> Array:
     for key in keys:
         counts[key] = counts.get(key, 0) + 1
     return np.array([1.0 / counts[key] for key in keys])
-
-
-def weighted_quantiles(values: Array, weights: Array, at: Sequence[float] = QUANTILES) -> Array:
-    """Quantiles (q,) of weighted values."""
-    order = np.argsort(values)
-    share = np.cumsum(weights[order]) - 0.5 * weights[order]
-    return np.asarray(np.interp(at, share / weights.sum(), values[order]))
 
 
 def _signs(row: Mapping[str, Any]) -> Array:

@@ -1,0 +1,38 @@
+"""``loopelastica studies``: the numbers of the package made anew from structures, and judged."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from loopelastica.cli import options as o
+from loopelastica.cli.program import Command, tell
+
+studies = typer.Typer(
+    help="Make the tables of the package anew; say how good they are.", no_args_is_help=True
+)
+
+
+@studies.command("motifs", cls=Command)
+def study_motifs(
+    folder: Annotated[Path, typer.Argument(help="Folder of structure files.", show_default=False)],
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
+        "loopelastica-studies/motifs"
+    ),
+) -> None:
+    """Shapes of loops by motif and length, a library, and the errors to expect of answers.
+
+    Where the folder holds loops.csv, that says which loop of a file counts, which make a pair
+    elsewhere, and which are of one family; else all hairpin loops count, and relatives are those by
+    sequence.
+    """
+    from loopelastica.molecule.folders import structure_files
+    from loopelastica.studies.motifs.study import run
+
+    with o.usage():
+        structure_files(folder)  # before a folder is made
+    with o.study(out):
+        done = run(folder, out, progress=True)
+        for line in done.tables.splitlines():
+            tell(line)
+    o.fail(o.screenful(done.failures, f"in {out / 'motifs.md'}"))
