@@ -154,6 +154,8 @@ def covering(weighted: Weighted, covered_A: Array | None, count: int) -> list[in
         Rows, each with some weight.
     """
     rows = np.flatnonzero(weighted.weights > 0.0)
+    if not len(rows):
+        return []
     likely = np.sqrt(weighted.weights[rows])
     between = np.stack([distances_A(weighted.nodes_A[rows], weighted.nodes_A[row]) for row in rows])
     nearest = np.full(len(rows), np.inf) if covered_A is None else covered_A[rows].copy()

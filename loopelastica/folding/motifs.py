@@ -130,7 +130,7 @@ def motif_of(sequence: str) -> Motif | None:
     """The motif of an RNA loop, by its sequence from closing to closing nucleotide.
 
     >>> motif_of("CGAAAG"), motif_of("CAAAAG")
-    (<Motif GNRA: 130 loops>, None)
+    (<Motif GNRA: 134 loops>, None)
     """
     codes = np.frombuffer(sequence.upper().replace("T", "U").encode("ascii", "replace"), np.uint8)
     return next((motif for motif in motifs() if motif.matches(codes[None])[0]), None)
@@ -138,13 +138,13 @@ def motif_of(sequence: str) -> Motif | None:
 
 def motifs() -> tuple[Motif, ...]:
     """All motifs."""
-    return tuple(_motif(one) for one in _content()["motifs"])
+    return tuple(_motif(one, f"motif {one['name']}, ") for one in _content()["motifs"])
 
 
 def of_length(n: int, is_dna: bool) -> Motif | None:
     """The shape of loops of a length, whatever their sequence; None where there is none."""
     of_kind = (one for one in _content()["lengths"] if one["kind"] == ("DNA" if is_dna else "RNA"))
-    return next((_motif(one) for one in of_kind if len(one["pattern"]) == n), None)
+    return next((_motif(one, "mean of ") for one in of_kind if len(one["pattern"]) == n), None)
 
 
 def typical_spread_A(n: int) -> float:
@@ -173,10 +173,14 @@ def _content() -> dict[str, Any]:
     return content
 
 
-def _motif(row: Mapping[str, Any]) -> Motif:
-    steps, end = read_only(row["steps_A"]), read_only(row["end_frame"])
+def _motif(row: Mapping[str, Any], called: str) -> Motif:
+    from scipy.spatial.transform import Rotation
+
+    # six digits of a frame are none yet
+    steps, end = read_only(row["steps_A"]), Rotation.from_matrix(row["end_frame"]).as_matrix()
     # a pattern is no sequence: what stands at a place where all may stand is unknown
-    shape = LoopShape(f"N{row['pattern']}N", row["kind"] == "DNA", steps, end, row["name"])
+    sequence, source = f"N{row['pattern']}N", f"{called}{row['loops']} loops"
+    shape = LoopShape(sequence, row["kind"] == "DNA", steps, read_only(end), source)
     return Motif(
         row["name"], row["pattern"], shape, row["loops"], row["sequences"], row["families"],
         read_only(row["rmsd_A"]), row["spread_A"],

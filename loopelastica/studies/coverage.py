@@ -13,6 +13,9 @@ from loopelastica._arrays import Array
 LEAST_A: Final = 0.05
 """Below, a 10 % bound counts as this: by zero nothing can be divided."""
 
+ENOUGH: Final = 8
+"""Answers, below which quarters of them say nothing."""
+
 
 class Coverage(NamedTuple):
     """Expected against true errors of some answers.
@@ -27,7 +30,7 @@ class Coverage(NamedTuple):
         Median of the 90 % bound over the 10 % one.
     quarters_A : tuple of float
         Median error in each quarter of the expected medians, the smallest first, Å; empty where
-        there are fewer than four answers.
+        there are fewer than `ENOUGH` answers.
     """
 
     cases: float
@@ -68,7 +71,7 @@ def coverage(error_A: Array, expected_A: Array, weights: Array) -> Coverage:
         return float(weights[of].sum() / total)
 
     quarters: tuple[float, ...] = ()
-    if len(error_A) >= 4:
+    if len(error_A) >= ENOUGH:
         bounds = [-np.inf, *weighted_quantiles(middle, weights, [0.25, 0.5, 0.75]), np.inf]
         among = [(middle > a) & (middle <= b) for a, b in pairwise(bounds)]
         quarters = tuple(

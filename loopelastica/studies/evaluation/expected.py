@@ -13,6 +13,12 @@ from loopelastica.studies.coverage import coverage
 Row = Mapping[str, Any]
 
 
+NEARER = (
+    "In how many of the loops that both have it is nearer than the first answer; its median against"
+    " that of the first answer, Å."
+)
+
+
 def wins(groups: Mapping[str, Sequence[Row]], rivals: Mapping[str, str]) -> str:
     """How often something else is nearer than the first answer.
 

@@ -14,7 +14,7 @@ from loopelastica.folding.options import FoldOptions
 from loopelastica.molecule.folders import structure_files
 from loopelastica.molecule.nucleotides import Limits
 from loopelastica.molecule.trace import rmsd_A
-from loopelastica.studies.evaluation.expected import expected_errors, wins
+from loopelastica.studies.evaluation.expected import NEARER, expected_errors, wins
 from loopelastica.studies.evaluation.loops import COLUMNS, EVALUATION, HONEST
 from loopelastica.studies.evaluation.refit import interval, refitted_A
 
@@ -168,7 +168,7 @@ def scoreboard(rows: list[dict[str, Any]], failures: tuple[str, ...] = ()) -> st
         cells = [_median_90([row[m] for row in members]) for m in METHODS]
         lines.append(f"| {_plain(name)} ({len(members)}) | " + " | ".join(cells) + " |")
     rivals = {name: METHODS[name] for name in SIMPLER}
-    lines += ["", "## Where something simpler is better", ""]
+    lines += ["", "## Where something simpler is better", "", NEARER, ""]
     lines.append(wins({_plain(name): members for name, members in table.items()}, rivals))
     lines += ["", "By medians, on loops that both have:", "", *_defeats(table)]
     lines += ["", "## Paired differences, first answer minus other", "", *_paired(rows)]

@@ -52,9 +52,10 @@ def done(folder, tmp_path_factory):
 def test_every_loop_has_a_row_with_the_numbers_of_fold(folder, done):
     rows = {(row["file"], row["loop"]): row for row in done[1]}
     assert len(rows) == 6
-    (loop,) = le.fold(folder / "1bjh.pdb.gz")
+    (loop,) = le.fold(folder / "1bjh.pdb.gz", exclude_relatives=True)
     row = rows["1bjh.pdb.gz", "A5-7"]
     assert float(row["rmsd_first_A"]) == loop.candidates[0].rmsd_A
+    assert row["shape"] == loop.candidates[0].shape == "straight rod"
     assert float(row["models_first_A"]) == pytest.approx(loop.candidates[0].rmsd_models_A.mean())
     assert row["n_models"] == "16"
     assert (row["type"], row["closing_type"], row["set"]) == ("triloop", "C-G", "DNA")
@@ -66,13 +67,52 @@ def test_every_loop_has_a_row_with_the_numbers_of_fold(folder, done):
     assert float(rows["1szy.pdb.gz", "A8-14"]["plain_rod_A"]) == plain[0].candidates[0].rmsd_A
 
 
+def test_nothing_related_to_a_loop_is_known_of_it(folder, done):
+    rows = {(row["file"], row["loop"]): row for row in done[1]}
+    (loop,) = le.fold(folder / "1szy.pdb.gz", exclude_relatives=True)
+    row = rows["1szy.pdb.gz", loop.hairpin.name]
+    assert (row["shape"], row["shape_source"]) == (loop.candidates[0].shape, "mean of its length")
+    assert not any("same sequence" in row["shape"] for row in rows.values())
+    assert "none was taken from a related loop" in (done[0] / "scoreboard.md").read_text()
+
+
+def test_every_row_says_what_error_was_expected_and_whether_it_held(folder, done):
+    for row in done[1]:
+        low, middle, high = (float(row[f"expected_{q}_A"]) for q in (10, 50, 90))
+        assert 0.0 <= low < middle < high
+        assert row["inside"] == str(low <= float(row["rmsd_first_A"]) <= high)
+    (loop,) = le.fold(folder / "1bjh.pdb.gz", exclude_relatives=True)
+    (row,) = (row for row in done[1] if row["file"] == "1bjh.pdb.gz")
+    assert float(row["expected_50_A"]) == loop.candidates[0].expected_rmsd_A[1]
+    text = (done[0] / "scoreboard.md").read_text()
+    section = text.split("## Expected errors")[1].split("## What failed")[0]
+    for part in ("### All loops", "### Simple loops", "| all (6) |", "| all (5) |", "| DNA (3) |"):
+        assert part in section
+    assert "mean of its length" in section
+
+
+def test_the_rod_by_the_rule_is_beside_the_first_answer(folder, done):
+    rows = {(row["file"], row["loop"]): row for row in done[1]}
+    for file in ("1bjh", "1szy"):
+        (loop,) = le.fold(folder / f"{file}.pdb.gz", all_models=False, shapes="rod")
+        row = rows[f"{file}.pdb.gz", loop.hairpin.name]
+        assert float(row["rod_A"]) == pytest.approx(loop.candidates[0].rmsd_A, abs=1e-9)
+        # there is nothing but the hairpin in these files
+        assert row["surrounded_A"] == ""
+
+
 def test_what_is_no_evidence_is_shown_apart(done):
     (row,) = (row for row in done[1] if row["file"] == "2l5k.pdb.gz")
     assert (row["set"], row["simple"]) == ("not evidence", "False")
     text = (done[0] / "scoreboard.md").read_text()
     assert "apart: 2l5k.pdb.gz A11-13" in text
     assert "all simple loops (5)" in text
-    for name in ("rmsd_by_length.png", "energy_and_rmsd.png", "rank_of_best.png"):
+    for name in (
+        "rmsd_by_length.png",
+        "energy_and_rmsd.png",
+        "rank_of_best.png",
+        "expected_and_true_error.png",
+    ):
         assert (done[0] / name).stat().st_size > 5000
 
 
@@ -86,11 +126,14 @@ def test_a_second_run_measures_nothing_again_and_writes_the_same(folder, done):
 def test_where_a_simple_curve_wins_the_table_says_so():
     row = {
         "simple": True, "set": "RNA, small files", "type": "triloop", "nucleotides": 3,
-        "kind": "RNA", "family": "a", "file": "x", "loop": "y",
+        "kind": "RNA", "family": "a", "file": "x", "loop": "y", "sequence": "CAAAG",
+        "expected_10_A": 1.0, "expected_50_A": 1.5, "expected_90_A": 3.0, "inside": True,
+        "shape_source": "mean of its length",
     }  # fmt: skip
     numbers = dict.fromkeys(
         (
             *("rmsd_first_A", "rmsd_best5_A", "rmsd_best_A", "models_first_A", "plain_rod_A"),
+            *("rod_A", "surrounded_A"),
             *("refit_taper_A", "refit_all_A", "hermite_A", "chord_A", "plain_hermite_A"),
             *("plain_arc_A", "plain_chord_A", "mean_loop_A"),
         ),
@@ -99,6 +142,8 @@ def test_where_a_simple_curve_wins_the_table_says_so():
     text = scoreboard([row | numbers | {"arc_A": 1.25}])
     assert "all simple loops: circular arc, same ends (1.25 against 2.00 Å)" in text
     assert "Nowhere" in scoreboard([row | numbers | {"arc_A": 3.0}])
+    nearer = [row | numbers | {"arc_A": 3.0, "rod_A": value} for value in (1.0, 1.5, 3.0, None)]
+    assert "| all simple loops (4) | 67 % of 3: 1.50 against 2.00 |" in scoreboard(nearer)
     assert list(groups([row])) == [
         "all simple loops", "RNA, small files", "triloop", "3 nucleotides",
     ]  # fmt: skip
