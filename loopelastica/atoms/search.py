@@ -21,7 +21,7 @@ from loopelastica._arrays import Array
 from loopelastica.atoms.carry import Bent, Curve
 from loopelastica.atoms.checks import Checks, check
 from loopelastica.atoms.measures import angles_deg, bond_lengths
-from loopelastica.atoms.minimum import Problem, mended, minimum
+from loopelastica.atoms.minimum import Problem, mended, minimum, right_phosphates
 from loopelastica.atoms.relax import Relaxed
 from loopelastica.atoms.site import Site
 from loopelastica.atoms.start import start_on
@@ -208,6 +208,8 @@ def best_near(site: Site, line: Curve, limits: Limits, near: Array) -> tuple[Att
     n = site.molecule.n
     unturned = Turns((0.0,) * n, (0.0,) * n, 0.0)
     start = start_on(site, line, unturned, near)
+    # older files have OP1 and OP2 the other way round, and no small step turns them over
+    right_phosphates(site, start)
     problem = Problem.at(site)
     attempts: list[Attempt] = []
     for tether_sd in NEAR_SD_A:

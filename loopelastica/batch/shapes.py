@@ -7,34 +7,22 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
-import numpy as np
-from scipy.spatial.distance import pdist
-
-from loopelastica._arrays import read_only
 from loopelastica._checks import flag, instance, shown
 from loopelastica.batch.journal import Record
-from loopelastica.batch.run import Row, Task, Work, distinct, run, tasks_of
-from loopelastica.batch.sources import structure_files
+from loopelastica.batch.run import Task, Work, distinct, run, tasks_of
 from loopelastica.batch.workers import check_workers
-from loopelastica.errors import LoopelasticaError, StructureError
+from loopelastica.errors import LoopelasticaError
+from loopelastica.folding.gathering import found_loop, loop_rows
 from loopelastica.folding.library import MAX_NUCLEOTIDES, MIN_NUCLEOTIDES, Library
 from loopelastica.folding.library_file import check_place, save_library
 from loopelastica.folding.shape_table import COPY_A, FoundLoop
-from loopelastica.molecule.clamp_rule import plain_clamp
-from loopelastica.molecule.hairpins import Hairpin, find_hairpins
+from loopelastica.molecule.folders import structure_files
 from loopelastica.molecule.identity import entry_of
-from loopelastica.molecule.nucleotides import Limits, Nucleotides, Structure, read_structure
-from loopelastica.molecule.shapes import LoopShape, loop_shape
-
-STEP_A: Final = (2.5, 9.0)
-"""Distances of neighbouring centroids in a sound chain; no two others are nearer than the first."""
+from loopelastica.molecule.nucleotides import Limits, read_structure
 
 COLUMNS = ("file", "loop", "entry", "kind", "nucleotides", "sequence", "stem_rms_A", "left_out")
-
-# of what is written: the files that shapes are from have three decimals
-_DECIMALS = 6
 
 
 def shape_file(task: Task) -> Record:
@@ -48,56 +36,7 @@ def shape_file(task: Task) -> Record:
     with_contacts = options.pop("with_contacts")
     limits = Limits(**options)
     structure = read_structure(source, limits)
-    found = find_hairpins(structure, min_loop=MIN_NUCLEOTIDES, max_loop=MAX_NUCLEOTIDES)
-    entry = entry_of(source)
-    return {"rows": [_row(structure, h, entry, with_contacts) for h in found], "failures": []}
-
-
-def _row(structure: Structure, hairpin: Hairpin, entry: str, with_contacts: bool) -> dict[str, Any]:
-    table = structure.nucleotides
-    source = f"{entry} {_place(table, hairpin)}"
-    row: dict[str, Any] = {
-        "loop": hairpin.name,
-        "entry": entry,
-        "kind": hairpin.kind,
-        "nucleotides": len(hairpin),
-        "sequence": hairpin.sequence.replace("T", "U"),
-        "stem_rms_A": None,
-    }
-    try:
-        made = loop_shape(table, hairpin, structure.positions(0), source)
-    except StructureError:
-        return {**row, "left_out": "its stem cannot be placed"}
-    if made is None:
-        return {**row, "left_out": "a backbone atom is missing"}
-    shape, stem = made
-    ends = stem.ends(plain_clamp(hairpin.is_dna))
-    reasons = (
-        (bool(hairpin.contacts) and not with_contacts, "it pairs elsewhere"),
-        (not ends.regular, "its stem is no A or B helix"),
-        (not _is_sound(shape), "its chain is broken or runs into itself"),
-    )
-    return {
-        **row,
-        "stem_rms_A": ends.rms_A,
-        "left_out": next((reason for holds, reason in reasons if holds), None),
-        "source": source,
-        "steps_A": np.round(shape.steps_A, _DECIMALS).tolist(),
-        "end_frame": shape.end_frame.tolist(),
-    }
-
-
-def _place(table: Nucleotides, hairpin: Hairpin) -> str:
-    """The closing nucleotides, such as "A.4-A.9"."""
-    chain = f"{hairpin.chain}." if hairpin.chain else ""
-    first, last = (table.number(int(rows[0])) for rows in (hairpin.stem_5, hairpin.stem_3))
-    return f"{chain}{first}-{chain}{last}"
-
-
-def _is_sound(shape: LoopShape) -> bool:
-    shortest, longest = STEP_A
-    steps = np.linalg.norm(shape.steps_A, axis=1)
-    return bool(pdist(shape.nodes_A).min() >= shortest and steps.max() <= longest)
+    return {"rows": loop_rows(structure, entry_of(source), with_contacts), "failures": []}
 
 
 SHAPES = Work("loops", shape_file, COLUMNS, lambda task, record: True)
@@ -205,7 +144,7 @@ def build_library(
     for row in done.rows:
         with_loop.add(row["file"])
         if row["left_out"] is None:
-            loops.append(_loop(row))
+            loops.append(found_loop(row))
         else:
             left_out[row["left_out"]] += 1
     library = Library.of(loops)
@@ -243,12 +182,6 @@ def _files(sources: Any) -> list[Path]:
             structure_files(path, deep=True, argument="sources") if path.is_dir() else [path]
         )
     ]
-
-
-def _loop(row: Row) -> FoundLoop:
-    steps, frame = read_only(row["steps_A"]), read_only(row["end_frame"])
-    shape = LoopShape(row["sequence"], row["kind"] == "DNA", steps, frame, row["source"])
-    return FoundLoop(shape, row["entry"], row["stem_rms_A"])
 
 
 def _left_out(reasons: Counter[str], n_copies: int) -> Iterator[str]:

@@ -53,7 +53,7 @@ def bench_atoms(
     ] = None,
 ) -> None:
     """Build the first candidate's atoms for every simple loop of a folder; judge the models."""
-    from loopelastica.batch.sources import structure_files
+    from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.bench.atoms import run
 
     with o.usage():
@@ -77,7 +77,7 @@ def bench_strands(
     ] = False,
 ) -> None:
     """Take strands out of structures, fill them again, and compare with simpler curves."""
-    from loopelastica.batch.sources import structure_files
+    from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.strands.deletion import run
 
     with o.usage():

@@ -26,7 +26,7 @@ def study_motifs(
     elsewhere, and which are of one family; else all hairpin loops count, and relatives are those by
     sequence.
     """
-    from loopelastica.batch.sources import structure_files
+    from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.motifs.study import run
 
     with o.usage():

@@ -135,11 +135,11 @@ def fold_model(
         ends = clamped_ends(stem, options)
         clamping = clamping_of(ends, options.free_spin)
         rods = _rods(hairpin, clamping, options)
-        answers = hypotheses(hairpin, stem, ends, rods, positions, options, scene or Scene())
+        atoms = stem_atoms(nucleotides, hairpin, positions)
+        answers = hypotheses(hairpin, stem, ends, rods, atoms, positions, options, scene or Scene())
     except StructureError as error:
         return LoopFold(hairpin, (), options, failure=str(error))
     backbone_A = native_backbone(nucleotides, hairpin, positions)
-    atoms = stem_atoms(nucleotides, hairpin, positions)
     candidates = rank(answers, options.persistence_length_A, atoms, backbone_A, options.rank)
     return LoopFold(
         hairpin,

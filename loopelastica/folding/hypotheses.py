@@ -29,6 +29,7 @@ from loopelastica.folding.motifs import Motif, errors_of, motif_of, of_length, t
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.surroundings import SURROUNDED, rods_among
 from loopelastica.folding.template import Deformed, deformed
+from loopelastica.molecule.contacts import contacts
 from loopelastica.molecule.ends import ClosingPoses, FittedStem, StemEnds
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.identity import entries_of
@@ -124,6 +125,7 @@ def hypotheses(
     stem: FittedStem,
     ends: StemEnds,
     rods: Sequence[Equilibrium],
+    stem_atoms: tuple[Array, Array],
     positions: Array,
     options: FoldOptions,
     scene: Scene,
@@ -140,6 +142,8 @@ def hypotheses(
         Ends of the rods.
     rods : sequence of Equilibrium
         Between them, least energy first.
+    stem_atoms : (m, 3), (m,) array
+        Atoms of the stem and their phases (:func:`loopelastica.molecule.contacts.stem_atoms`).
     positions : (n_atoms, 3) array
         All atoms of the model, Å.
     options : FoldOptions
@@ -152,7 +156,7 @@ def hypotheses(
     tuple of Hypothesis
         In the default order.
     """
-    straight = [RodLine(rod, ends) for rod in rods]
+    straight = _free_first([RodLine(rod, ends) for rod in rods], stem_atoms)
     poses = stem.closing()
     atoms_A = _in_the_way(hairpin, straight[0], positions, scene)
     bent = [] if atoms_A is None else _surrounded(straight[0], atoms_A)
@@ -175,6 +179,13 @@ def hypotheses(
         expected = errors_of(answer.kind).at(spread_A, answer.energy, n)
         found.append(Hypothesis(line, _called(answer), expected, len(found)))
     return tuple(found)
+
+
+def _free_first(rods: list[RodLine], stem_atoms: tuple[Array, Array]) -> list[RodLine]:
+    """The rods, the first one that touches nothing before all others."""
+    near = (contacts(*rod.sampled(), *stem_atoms).touching for rod in rods)
+    free = next((k for k, touching in enumerate(near) if not touching), 0)
+    return [rods[free], *rods[:free], *rods[free + 1 :]]
 
 
 def _like(hairpin: Hairpin, poses: ClosingPoses, options: FoldOptions) -> list[Deformed]:

@@ -28,6 +28,7 @@ from loopelastica.folding.choice import (
     smooth_lines,
     weigh,
 )
+from loopelastica.folding.gathering import library_of_folder
 from loopelastica.folding.library import Library
 from loopelastica.folding.library_file import load_library
 from loopelastica.folding.lines import ChainLine, chain_lines
@@ -287,5 +288,7 @@ def known_shapes(
 
 
 def library_at(path: str | None) -> Library:
-    """The library of a file; the one that is shipped for None."""
-    return load_library(data_path("loops.lib") if path is None else Path(path))
+    """The library of a file, or of a folder of structures; the one that is shipped for None."""
+    if path is None:
+        return load_library(data_path("loops.lib"))
+    return library_of_folder(Path(path)) if Path(path).is_dir() else load_library(path)

@@ -31,6 +31,7 @@ from loopelastica.molecule.selection import Like, ends_of, row_at
 from loopelastica.molecule.strand_ends import flank_poses
 from loopelastica.molecule.templates import (
     Template,
+    counted,
     hairpin_template,
     pair_name,
     strand_template,
@@ -178,20 +179,20 @@ def remarks(
         Nothing where its template has as many nucleotides.
     """
     if not templates:
-        yield f"{name}: {text} has no {what} for its {n} nucleotides; it is made without template"
+        yield f"{name}: {text} has no {what} for its {counted(n)}; it is made without template"
     elif len(templates[0]) != templates[0].made_from:
         yield (
-            f"{name}: {text} has no {what} of {n} nucleotides; the line of"
+            f"{name}: {text} has no {what} of {counted(n)}; the line of"
             f" {templates[0].made_from} is respaced, and no atoms come with it"
         )
 
 
 def _unlike(text: str, what: str, there: Sequence[Sized], here: Sequence[Sized]) -> StructureError:
-    own, other = (", ".join(map(str, sorted({*map(len, some)}))) for some in (there, here))
-    has = f"its {what} has {own} nucleotides" if own else "it has no hairpin loop"
+    own, other = (sorted({*map(len, some)}) for some in (there, here))
+    has = f"its {what} has {counted(*own)}" if own else "it has no hairpin loop"
     return StructureError(
-        f"{text}: {has}, what is to be like it {other}; a template has as many, or one more or"
-        " less, and fits the ends"
+        f"{text}: {has}, what is to be like it {', '.join(map(str, other))}; a template has as"
+        " many, or one more or less, and fits the ends"
     )
 
 

@@ -131,12 +131,13 @@ class FoldOptions(LoopOptions):
         "rod": only rods clamped by the rule, no shapes of other loops.
     rank : {"default", "energy"}
         Order of the candidates: the one that was measured to be best, or least deformation energy
-        per length first. Either way those that touch something come last.
+        per length first. Rods that touch something come last, by energy all that touch.
     like : str, optional
         A structure file whose loop this one is taken to be like, "FILE", or which of its loops,
         "FILE:A.4-A.9", by its closing pair.
     library : str, optional
-        File of a library of loops. Default: the one that comes with the program.
+        File of a library of loops, or a folder of structures to take them from. Default: the
+        library that comes with the program.
     exclude_relatives : bool
         Use no shape of a loop that is related to this one, for honest tests.
     surroundings : bool

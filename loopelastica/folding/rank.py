@@ -2,9 +2,10 @@
 
 Two orders stand beside each other. The default one is that of the hypotheses, by what was measured
 to be nearest to real loops; rods of one clamp follow each other by energy. The other is least
-deformation energy per length. In both, shapes that run into the stem or themselves come after all
-others, for no backbone can take them. The energy is not a confidence: it says which shape costs
-least, not how near that shape is to the loop in nature.
+deformation energy per length. Rods that run into the stem or themselves come after all others in
+both, for no backbone can take them; what is known of other loops keeps its place in the default
+order (of 274 loops two means touched, and the rods that took their place were worse). The energy is
+not a confidence: it says which shape costs least, not how near that shape is to the loop in nature.
 """
 
 from collections.abc import Sequence
@@ -25,7 +26,7 @@ class Candidate(Record):
     Attributes
     ----------
     rank : int
-        Its place in the order asked for, from 1; those that touch something are the last.
+        Its place in the order asked for, from 1.
     rank_energy : int
         Its place by `energy_per_A` among all that were found, those that touch something last.
     shape : str
@@ -105,7 +106,7 @@ def rank(
     backbone_A: Array | None,
     order: str = "default",
 ) -> tuple[Candidate, ...]:
-    """Candidates of one model: those that touch nothing first, each kind in the order asked for.
+    """Candidates of one model in the order asked for.
 
     Parameters
     ----------
@@ -119,7 +120,8 @@ def rank(
         Centroids of the file's own loop, closing nucleotide to closing nucleotide, Å;
         `rmsd_models_A` then holds this model only.
     order : {"default", "energy"}
-        By the place of each hypothesis, or by energy per length.
+        By the place of each hypothesis, rods that touch something last; or by energy per length,
+        whatever touches last.
 
     Returns
     -------
@@ -130,7 +132,9 @@ def rank(
     energies = [one.line.energy / one.line.length_A for one in hypotheses]
     rows = range(len(hypotheses))
     by_energy = sorted(rows, key=lambda i: (near[i].touching, energies[i]))
-    by_place = sorted(by_energy, key=lambda i: (near[i].touching, hypotheses[i].place))
+    # a rod that touches is no backbone; shapes of real loops and their means are told, not moved
+    last = [near[i].touching and isinstance(hypotheses[i].line, RodLine) for i in rows]
+    by_place = sorted(by_energy, key=lambda i: (last[i], hypotheses[i].place))
     place_by_energy = {i: place for place, i in enumerate(by_energy, start=1)}
     candidates = []
     for place, i in enumerate(by_energy if order == "energy" else by_place, start=1):

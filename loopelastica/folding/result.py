@@ -23,8 +23,7 @@ class LoopFold(Record):
     hairpin : Hairpin
         What was folded.
     candidates : tuple of Candidate
-        In the order asked for, those that touch something last; empty if ``failure`` says why the
-        loop could not be folded.
+        In the order asked for; empty if ``failure`` says why the loop could not be folded.
     options : FoldOptions
         Every option that was in force.
     failure : str or None

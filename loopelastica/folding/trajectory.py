@@ -34,6 +34,8 @@ _NOT_HERE = {
 class LoopElastica(AnalysisBase):  # type: ignore[misc]
     """First-ranked elastic line of every hairpin loop in every frame.
 
+    Rods alone (``shapes="rod"``) take about half of the time of all shapes.
+
     Parameters
     ----------
     atoms : MDAnalysis.Universe or MDAnalysis.AtomGroup

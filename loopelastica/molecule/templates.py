@@ -50,7 +50,7 @@ class Template(Record):
     def name(self) -> str:
         """What it is called, such as "like 1zih A.4-A.9"."""
         n = len(self)
-        respaced = "" if n == self.made_from else f", {self.made_from} → {n} nucleotides"
+        respaced = "" if n == self.made_from else f", {self.made_from} → {counted(n)}"
         return f"like {self.shape.source}{respaced}"
 
     def __repr__(self) -> str:
@@ -213,6 +213,15 @@ def monomer_of(nucleotides: Nucleotides, row: int, positions: Array) -> Monomer:
         bool(nucleotides.is_dna[row]),
         atoms_A=atoms_A,
     )
+
+
+def counted(*lengths: int) -> str:
+    """Numbers of nucleotides.
+
+    >>> counted(1), counted(3, 4)
+    ('1 nucleotide', '3, 4 nucleotides')
+    """
+    return f"{', '.join(map(str, lengths))} nucleotide{'s' * (lengths[-1] != 1)}"
 
 
 def pair_name(nucleotides: Nucleotides, i: int, j: int) -> str:

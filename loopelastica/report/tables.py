@@ -38,7 +38,7 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
     order = {r.options.rank for _, r, _ in results if not isinstance(r, str)}
     best = "least energy" if order == {"energy"} else "those that were measured to be nearest"
     table = Table(
-        title=f"Loops folded: {best} first, shapes that touch last. Expected error: median (80 %"
+        title=f"Loops folded: {best} first, rods that touch last. Expected error: median (80 %"
         " of cases) of the RMSD, which is without superposition, where the file has the loop."
         " Energy is no confidence.",
         title_justify="left",

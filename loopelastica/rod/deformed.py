@@ -13,7 +13,8 @@ from loopelastica.rod._arguments import arc_lengths, check_torsion_ratio
 from loopelastica.rod._chain_starts import starts
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import MESSAGES
-from loopelastica.rod.kernels.chain_minimization import REACH, ChainRows, deform_rows, new_rows
+from loopelastica.rod.kernels.chain import REACH
+from loopelastica.rod.kernels.chain_minimization import ChainRows, deform_rows, new_rows
 from loopelastica.rod.kernels.records import Status
 from loopelastica.rod.rest_shape import RestShape
 

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 import loopelastica as le
 from loopelastica.atoms.measures import bond_lengths
 from loopelastica.atoms.model import build_atoms
-from loopelastica.atoms.search import LINE_SD_A
+from loopelastica.atoms.search import LINE_SD_A, best_near
 from loopelastica.errors import StructureError
 from loopelastica.folding.fold import fold_model
 from loopelastica.molecule.nucleotides import atom_positions, read_structure
@@ -200,13 +200,27 @@ def test_atoms_begin_where_a_templates_were_carried(koc, like_8):
     assert off_A(koc, carried) < 0.5 * off_A(koc, on_line)
 
 
-def test_where_a_template_leads_to_nothing_sound_the_line_is_searched(koc, like_8):
+def test_a_template_with_the_two_free_oxygens_exchanged_is_as_good(koc, like_8):
     first = like_8.candidates[0]
-    scattered = tuple(
-        dataclasses.replace(one, atoms_A={x: at + 25.0 * k for x, at in one.atoms_A.items()})
-        for k, one in enumerate(first.carried)
+    swap = {"OP1": "OP2", "OP2": "OP1"}
+    exchanged = tuple(
+        dataclasses.replace(one, atoms_A={swap.get(x, x): at for x, at in one.atoms_A.items()})
+        for one in first.carried
     )
-    broken = dataclasses.replace(first, carried=scattered)
-    (model,) = build_atoms(koc, dataclasses.replace(like_8, candidates=(broken,)))
+    other = dataclasses.replace(first, carried=exchanged)
+    (model,) = build_atoms(koc, dataclasses.replace(like_8, candidates=(other,)))
+    assert model.checks.sound
+    assert model.carried
+    assert off_A(koc, model) < 1.5
+
+
+def test_where_a_template_leads_to_nothing_sound_the_line_is_searched(koc, like_8, monkeypatch):
+    def unsound(*arguments):
+        attempt, tried = best_near(*arguments)
+        checks = dataclasses.replace(attempt.checks, wrong_chirality=("1:P",))
+        return dataclasses.replace(attempt, checks=checks), tried
+
+    monkeypatch.setattr("loopelastica.atoms.search.best_near", unsound)
+    (model,) = build_atoms(koc, like_8)
     assert model.checks.sound
     assert not model.carried

@@ -418,7 +418,7 @@ def test_a_template_that_fits_no_strand_is_one_sentence_and_no_structure(tmp_pat
     file = gapped.gapped(tmp_path / "a.pdb", {6, 7, 8, 9})
     result = run(file, "--like", f"{eighth}:A.1-A.3", "-o", out)
     assert result.exit_code == 1
-    assert "its strand has 1 nucleotides, what is to be like it 4" in sentence(result)
+    assert "its strand has 1 nucleotide, what is to be like it 4" in sentence(result)
     assert results(out) == set()
 
 

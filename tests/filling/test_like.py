@@ -100,7 +100,9 @@ def test_one_nucleotide_less_is_respaced_and_that_is_said(open_loop, other):
 
 
 def test_a_template_that_fits_nothing_is_refused(open_loop, other):
-    with pytest.raises(StructureError, match=r"eighth\.pdb:A\.1-A\.3: its strand has 1 nucleo.* 4"):
+    with pytest.raises(
+        StructureError, match=r"eighth\.pdb:A\.1-A\.3: its strand has 1 nucleotide, .* 4"
+    ):
         le.fill(open_loop, like=f"{other}:A.1-A.3")
     with pytest.raises(StructureError, match=r"nowhere\.pdb: there is no such file"):
         le.fill(open_loop, like="nowhere.pdb")
@@ -112,7 +114,7 @@ def test_of_two_gaps_one_is_filled_as_usual(tmp_path, other):
     path = gapped.gapped(tmp_path / "two.pdb", {2, 6, 7, 8, 9})
     first, second = le.fill(path, like=f"{other}:A.5-A.10").strands
     assert first.shape == "rod in its surroundings"
-    assert any("no strand for its 1 nucleotides" in sentence for sentence in first.remarks)
+    assert any("no strand for its 1 nucleotide;" in sentence for sentence in first.remarks)
     assert second.shape == "like eighth A.5-A.10"
 
 

@@ -52,7 +52,7 @@ def test_a_motif_errs_as_the_same_letters_do(scene):
     found = deformed(templates, scene[1], "CGAAAG", False)
     alike = {one.template.shape.sequence: one.alike for one in found}
     assert alike == {"CGAAAG": True, "AGCAAU": True, "CGAAUG": False}
-    errors = {one.alike: one.errors.at(2.0, 4) for one in found}
+    errors = {one.alike: one.errors.at(2.0, 1.0, 4) for one in found}
     assert errors[True][1] < errors[False][1]
 
 

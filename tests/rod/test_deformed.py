@@ -111,6 +111,24 @@ def test_energy_and_balance_are_those_of_scipys_rotations(rng):
             assert abs(lagrangian(7, v) - lagrangian(7, -v)) / (2 * h) < 1e-6
 
 
+def test_loads_grow_with_the_stiffness_and_one_hinge_may_be_stiff(rng):
+    shape = shape_drawn(rng, 6)
+    clamping = clamping_near(rng, shape)
+    soft = shape.deform(clamping)
+    for factor in (1e-9, 1e12):
+        stiff = le.RestShape(shape.steps, shape.end_frame, factor * shape.stiffness)
+        chain = stiff.deform(clamping)
+        assert chain.energy == pytest.approx(factor * soft.energy, rel=1e-9)
+        np.testing.assert_allclose(chain.force, factor * soft.force, rtol=1e-6)
+        np.testing.assert_allclose(chain.moment, factor * soft.moment, rtol=1e-6)
+    stiffness = shape.stiffness.copy()
+    stiffness[3] = 1e8
+    rigid = le.RestShape(shape.steps, shape.end_frame, stiffness).deform(clamping)
+    assert rigid.converged
+    assert np.abs(rigid.rotations[3] - rigid.rotations[4]).max() < 1e-5
+    assert rigid.energy > soft.energy
+
+
 def test_the_index_is_that_of_the_hessian_on_what_the_ends_allow(rng):
     seen = set()
     for m, free_spin in ((5, False), (5, True), (8, False)):

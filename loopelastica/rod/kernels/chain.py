@@ -24,6 +24,7 @@ from loopelastica.rod.kernels.discrete_rod import (
     keep_spin,
 )
 from loopelastica.rod.kernels.jit import kernel
+from loopelastica.rod.kernels.records import Status
 from loopelastica.rod.kernels.rotations import (
     directors,
     exponential,
@@ -34,6 +35,13 @@ from loopelastica.rod.kernels.rotations import (
 
 # neighbours whose directions add to less than this point against each other
 _OPPOSITE = 1e-6
+# ends further apart than the chain is long by less than this are rounding
+REACH = 1e-9
+# turn whose moment in the stiffest hinge counts as a load, rad
+_ROUNDED = 1e-5
+
+_CONVERGED, _UNREACHABLE = int(Status.CONVERGED), int(Status.UNREACHABLE)
+_BAD_INPUT = int(Status.BAD_INPUT)
 
 
 class ElasticChain(NamedTuple):
@@ -80,12 +88,16 @@ def at_other_frames(chain):
 
 @kernel
 def set_shape(chain, steps, end, stiffness, torsion_ratio):
-    """Fill all but the frames, from a rest shape in any unit; returns its length in that unit.
+    """Fill all but the frames, from a rest shape in any unit.
 
     ``steps`` (m, 3) and the quaternion ``end`` (4,); ``stiffness`` (m + 1,) multiplies that of an
-    ideal rod, 1 over half of either neighbouring segment.
+    ideal rod, 1 over half of either neighbouring segment. Returns the length in that unit and the
+    geometric mean of ``stiffness``, which is the chain's unit of it.
     """
-    m, length = steps.shape[0], 0.0
+    m, length, unit = steps.shape[0], 0.0, 0.0
+    for j in range(m + 1):
+        unit += math.log(stiffness[j]) / (m + 1)
+    unit = math.exp(unit)
     for k in range(m):
         length += _size(steps[k])
     for c in range(4):
@@ -107,14 +119,23 @@ def set_shape(chain, steps, end, stiffness, torsion_ratio):
                 chain.axes[j, i] /= math.sqrt(norm)
             else:
                 chain.axes[j, i] = steps[before, i] / a
-        chain.bending[j] = stiffness[j] / hinge_length(chain.s, j)
+        chain.bending[j] = stiffness[j] / unit / hinge_length(chain.s, j)
         chain.torsion[j] = torsion_ratio * chain.bending[j]
-    return length
+    return length, unit
 
 
 @kernel
 def _size(v):
     return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+
+
+@kernel
+def slack(chain):
+    """How much larger moments may miss their balance: rounding of turns in stiff hinges."""
+    stiffest = 0.0
+    for j in range(chain.bending.shape[0]):
+        stiffest = max(stiffest, chain.bending[j], chain.torsion[j])
+    return 1.0 + _ROUNDED * stiffest
 
 
 @kernel
@@ -177,3 +198,41 @@ def assemble_chain(chain, force, hessian):
     for k in range(m):
         v = steps[k]
         add_segment(hessian, k, chain.frames[k + 1], v[0], v[1], v[2], force)
+
+
+@kernel
+def fault(steps, end, position, rotation, stiffness):
+    """`BAD_INPUT` or `UNREACHABLE` if no chain can be so, else `CONVERGED`."""
+    length, longest, distance, sound = 0.0, 0.0, 0.0, True
+    for k in range(steps.shape[0]):
+        size = math.sqrt(steps[k, 0] ** 2 + steps[k, 1] ** 2 + steps[k, 2] ** 2)
+        # not finite is not between
+        sound = sound and 1e-100 < size < 1e100
+        length += size
+        longest = max(longest, size)
+        sound = sound and 1e-100 < stiffness[k] < 1e100
+    sound = sound and 1e-100 < stiffness[steps.shape[0]] < 1e100
+    for i in range(3):
+        distance += position[i] ** 2
+        for j in range(3):
+            one, other = 1.0 if i == j else 0.0, 1.0 if i == j else 0.0
+            for k in range(3):
+                one -= end[k, i] * end[k, j]
+                other -= rotation[k, i] * rotation[k, j]
+            sound = sound and abs(one) < 1e-4 and abs(other) < 1e-4
+    if not (sound and distance < math.inf and _right_handed(end) and _right_handed(rotation)):
+        return _BAD_INPUT
+    distance = math.sqrt(distance)
+    # neither further than all steps reach, nor nearer than the longest lets come
+    margin = REACH * length
+    if distance > length + margin or distance < 2.0 * longest - length - margin:
+        return _UNREACHABLE
+    return _CONVERGED
+
+
+@kernel
+def _right_handed(r):
+    minor_0 = r[1, 1] * r[2, 2] - r[1, 2] * r[2, 1]
+    minor_1 = r[1, 0] * r[2, 2] - r[1, 2] * r[2, 0]
+    minor_2 = r[1, 0] * r[2, 1] - r[1, 1] * r[2, 0]
+    return r[0, 0] * minor_0 - r[0, 1] * minor_1 + r[0, 2] * minor_2 > 0.0

@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from loopelastica.rod.kernels.chain import slack
 from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.linalg import eliminate
 from loopelastica.rod.kernels.rotations import cross, larger
@@ -64,7 +65,8 @@ def judge(chain, force, position, free_spin, energy, length, end, nodes, rotatio
     ``nodes`` (m + 1, 3) in units of 1/``length`` and ``rotations`` (m + 1, 3, 3) of the segments
     and the end are what is given back, ``end`` (3, 3) the end frame of the rest shape.
     ``moment`` (3,) becomes that at the start. The error is the largest of: the end's place;
-    moments that are not balanced, relative to the largest load; the energy, relative to itself.
+    moments that are not balanced, relative to the largest load or a turn of 1e-5 rad in the
+    stiffest hinge; the energy, relative to itself.
     """
     m = chain.steps.shape[0]
     before, turned, last = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
@@ -74,7 +76,7 @@ def judge(chain, force, position, free_spin, energy, length, end, nodes, rotatio
             last[i, k] = 0.0
             for j in range(3):
                 last[i, k] += rotations[m, i, j] * end[k, j]
-    size = 1.0 + math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
+    size = slack(chain) + math.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
     worst, total, spin = 0.0, 0.0, 0.0
     for j in range(m + 1):
         here = rotations[j] if j < m else last

@@ -22,9 +22,11 @@ from loopelastica.rod.kernels.chain import (
     ElasticChain,
     assemble_chain,
     at_other_frames,
+    fault,
     measure_chain,
     new_chain,
     set_shape,
+    slack,
     spread,
 )
 from loopelastica.rod.kernels.chain_check import judge
@@ -53,7 +55,7 @@ from loopelastica.rod.kernels.rotations import (
 
 _CONVERGED, _STALLED = int(Status.CONVERGED), int(Status.STALLED)
 _TOO_MANY, _CHECK_FAILED = int(Status.TOO_MANY_ITERATIONS), int(Status.CHECK_FAILED)
-_UNREACHABLE, _BAD_INPUT = int(Status.UNREACHABLE), int(Status.BAD_INPUT)
+_BAD_INPUT = int(Status.BAD_INPUT)
 
 _ITERATIONS = 150
 # largest turn of a segment in one step; turns so small that a step is Newton's own
@@ -72,8 +74,6 @@ _FAR = 2.0
 _ATTEMPTS, _BY_MOVING, _BEND = 12, 5, 0.8
 # first and least part of the way that the end clamp is moved at once; how many moves
 _PART, _LEAST, _MOVES = 0.25, 1e-3, 200
-# ends further apart than the chain is long by less than this are rounding
-REACH = 1e-9
 
 
 class ChainRoom(NamedTuple):
@@ -180,12 +180,12 @@ def minimize_chain(room, position, minimized):
     """
     chain, trial, hessian, step, force = room.chain, room.trial, room.hessian, room.step, room.force
     omega, c, multiplier = hessian.omega, step.constraint, step.multiplier
-    mu, shift, bows = 0.0, _FLOOR, 0
+    mu, shift, bows, balanced = 0.0, _FLOOR, 0, _BALANCED * slack(chain)
     energy = measure_chain(chain, position, omega, c)
     for _ in range(_ITERATIONS):
         assemble_chain(chain, force, hessian)
         norm_c = l1(c)
-        done = norm_c < _CLOSED and imbalance(hessian, force) < _BALANCED
+        done = norm_c < _CLOSED and imbalance(hessian, force) < balanced
         once = done or not minimized
         first = _FLAT if done else 0.0 if once else shift
         index, shift, downhill, largest = newton_step(hessian, chain.s, once, first, step)
@@ -314,44 +314,6 @@ def _deform(room, position, q, guess, minimized):
 
 
 @kernel
-def _fault(steps, end, position, rotation, stiffness):
-    """`BAD_INPUT` or `UNREACHABLE` if no chain can be so, else `CONVERGED`."""
-    length, longest, distance, sound = 0.0, 0.0, 0.0, True
-    for k in range(steps.shape[0]):
-        size = math.sqrt(steps[k, 0] ** 2 + steps[k, 1] ** 2 + steps[k, 2] ** 2)
-        # not finite is not between
-        sound = sound and 1e-100 < size < 1e100
-        length += size
-        longest = max(longest, size)
-        sound = sound and 1e-100 < stiffness[k] < 1e100
-    sound = sound and 1e-100 < stiffness[steps.shape[0]] < 1e100
-    for i in range(3):
-        distance += position[i] ** 2
-        for j in range(3):
-            one, other = 1.0 if i == j else 0.0, 1.0 if i == j else 0.0
-            for k in range(3):
-                one -= end[k, i] * end[k, j]
-                other -= rotation[k, i] * rotation[k, j]
-            sound = sound and abs(one) < 1e-4 and abs(other) < 1e-4
-    if not (sound and distance < math.inf and _right_handed(end) and _right_handed(rotation)):
-        return _BAD_INPUT
-    distance = math.sqrt(distance)
-    # neither further than all steps reach, nor nearer than the longest lets come
-    margin = REACH * length
-    if distance > length + margin or distance < 2.0 * longest - length - margin:
-        return _UNREACHABLE
-    return _CONVERGED
-
-
-@kernel
-def _right_handed(r):
-    minor_0 = r[1, 1] * r[2, 2] - r[1, 2] * r[2, 1]
-    minor_1 = r[1, 0] * r[2, 2] - r[1, 2] * r[2, 0]
-    minor_2 = r[1, 0] * r[2, 1] - r[1, 1] * r[2, 0]
-    return r[0, 0] * minor_0 - r[0, 1] * minor_1 + r[0, 2] * minor_2 > 0.0
-
-
-@kernel
 def deform_rows(
     steps, ends, stiffness, positions, rotations, torsion_ratio, free_spin, guesses, minimized, rows
 ):
@@ -367,11 +329,11 @@ def deform_rows(
     for row in range(rows.status.shape[0]):
         shape, factors = _one_of(steps, row), _one_of(stiffness, row)
         end, place, frame = _one_of(ends, row), _one_of(positions, row), _one_of(rotations, row)
-        rows.status[row] = _fault(shape, end, place, frame, factors)
+        rows.status[row] = fault(shape, end, place, frame, factors)
         if rows.status[row] != _CONVERGED:
             continue
         rest, q = quaternion_from_matrix(end), quaternion_from_matrix(frame)
-        length = set_shape(chain, shape, rest, factors, torsion_ratio)
+        length, unit = set_shape(chain, shape, rest, factors, torsion_ratio)
         for i in range(3):
             position[i] = place[i] / length
         guess = _one_of(guesses, row)
@@ -383,13 +345,11 @@ def deform_rows(
                 room.nodes, room.rotations, room.moment,
             )  # fmt: skip
             if residual < _CONFIRMED:
-                rows.energy[row], rows.residual[row], rows.morse_index[row] = (
-                    energy,
-                    residual,
-                    index,
-                )
-                copy(room.force, rows.force[row])
-                copy(room.moment, rows.moment[row])
+                rows.energy[row], rows.residual[row] = unit * energy, residual
+                rows.morse_index[row] = index
+                for i in range(3):
+                    rows.force[row, i] = unit * room.force[i]
+                    rows.moment[row, i] = unit * room.moment[i]
                 copy_rows(room.nodes, rows.nodes[row])
                 for k in range(m + 1):
                     copy_rows(room.rotations[k], rows.rotations[row, k])

@@ -10,8 +10,8 @@ from typing import Any
 
 from loopelastica._files import write_csv, write_json
 from loopelastica._names import printable
-from loopelastica.batch.sources import structure_files
 from loopelastica.errors import LoopelasticaError
+from loopelastica.molecule.folders import structure_files
 
 
 def run(folder: Path, out: Path, *, sample: int | None = None, progress: bool = False) -> str:

@@ -10,8 +10,8 @@ import numpy as np
 from loopelastica._files import data_path, write_csv, write_text
 from loopelastica._names import printable
 from loopelastica.batch.run import Run, distinct, run, tasks_of
-from loopelastica.batch.sources import structure_files
 from loopelastica.folding.options import FoldOptions
+from loopelastica.molecule.folders import structure_files
 from loopelastica.molecule.nucleotides import Limits
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.evaluation.expected import NEARER, expected_errors, wins

@@ -18,7 +18,6 @@ import numpy as np
 from tqdm import tqdm
 
 from loopelastica._arrays import Array, Record
-from loopelastica.batch.sources import structure_files
 from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.fold import fold_model
 from loopelastica.folding.library import Library
@@ -27,6 +26,7 @@ from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.shape_table import FoundLoop, letters_of, table_of
 from loopelastica.molecule.clamp_rule import STEM_RMS_MAX_A
 from loopelastica.molecule.ends import ClosingPoses
+from loopelastica.molecule.folders import structure_files
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
 from loopelastica.molecule.identity import entry_of
 from loopelastica.molecule.nucleotides import Structure, read_structure

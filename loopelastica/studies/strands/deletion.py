@@ -13,13 +13,13 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica._files import write_csv, write_json, write_text
-from loopelastica.batch.sources import structure_files
 from loopelastica.errors import LoopelasticaError
 from loopelastica.filling.models import strand_models
 from loopelastica.folding.expected import expected_rmsd, length_class, signs
 from loopelastica.folding.line import strand_lines
 from loopelastica.molecule.entry import Entry, read_entry
 from loopelastica.molecule.flanks import gap_between
+from loopelastica.molecule.folders import structure_files
 from loopelastica.molecule.gaps import find_gaps
 from loopelastica.molecule.nucleotides import BACKBONE
 from loopelastica.molecule.obstacles import crowding, obstacles

@@ -18,11 +18,16 @@ from loopelastica.rod.kernels.rotations import quaternion_from_matrix, turn
 pytestmark = pytest.mark.slow
 
 
+def unit_of(shape):
+    return np.exp(np.log(shape.stiffness).mean())
+
+
 def chain_of(shape, torsion_ratio):
     chain = new_chain(len(shape.steps))
     end = quaternion_from_matrix(shape.end_frame.copy())
-    length = set_shape(chain, shape.steps.copy(), end, shape.stiffness.copy(), torsion_ratio)
+    length, unit = set_shape(chain, shape.steps.copy(), end, shape.stiffness.copy(), torsion_ratio)
     assert length == pytest.approx(shape.length, rel=1e-14)
+    assert unit == pytest.approx(unit_of(shape), rel=1e-14)
     return chain
 
 
@@ -49,7 +54,8 @@ def test_energy_and_closure_are_those_of_scipys_rotations(rng):
     nodes = np.einsum("kij,kj->i", turns[1:-1], shape.steps / shape.length)
     np.testing.assert_allclose(c, nodes - [0.1, 0.2, 0.3], atol=1e-14)
     turns[-1] = turns[-1] @ shape.end_frame.T
-    assert energy == pytest.approx(energy_by_scipy(shape, 0.3, turns), rel=1e-12)
+    expected = energy_by_scipy(shape, 0.3, turns) / unit_of(shape)
+    assert energy == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("free_spin", [False, True])

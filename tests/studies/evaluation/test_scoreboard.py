@@ -62,10 +62,8 @@ def test_every_loop_has_a_row_with_the_numbers_of_fold(folder, done):
     for row in rows.values():
         assert float(row["rmsd_best_A"]) <= float(row["rmsd_best5_A"]) <= float(row["rmsd_first_A"])
         assert float(row["hermite_A"]) < float(row["chord_A"])
-    plain = le.fold(
-        folder / "1szy.pdb.gz", stem_extend_5=0, stem_extend_3=0, taper=0, all_models=False,
-        shapes="rod",
-    )  # fmt: skip
+    at_the_pair = {"stem_extend_5": 0, "stem_extend_3": 0, "taper": 0, "shapes": "rod"}
+    plain = le.fold(folder / "1szy.pdb.gz", all_models=False, **at_the_pair)
     assert float(rows["1szy.pdb.gz", "A8-14"]["plain_rod_A"]) == plain[0].candidates[0].rmsd_A
 
 

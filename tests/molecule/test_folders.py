@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from loopelastica.batch.sources import structure_files
+from loopelastica.molecule.folders import structure_files
 
 
 @pytest.fixture
