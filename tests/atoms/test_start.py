@@ -22,7 +22,8 @@ def test_given_atoms_start_where_they_are_given_and_the_rest_is_laid_on_them(koc
     site, line, turns = scene
     names = [name for k, name in site.molecule.rows if k == 3]
     own = monomer_of(koc.nucleotides, 8, koc.positions(0)).atoms_A
-    backbone = {name: own[name] for name in names if "'" in name or "P" in name}
+    shift = np.array([5.0, 0.0, 0.0])
+    backbone = {x: own[x] + shift for x in names if "'" in x or "P" in x}
     near = site.given({site.labels[3]: backbone})
     start = start_on(site, line, turns, near)
     for name in names:

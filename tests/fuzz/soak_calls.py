@@ -391,6 +391,10 @@ def check_candidate(candidate: Any) -> None:
         value = getattr(candidate, name)
         must(value is None or math.isfinite(value), f"{name} is {value}")
     must(np.isfinite(candidate.rmsd_models_A).all(), "rmsd_models_A")
+    read_only(candidate.expected_rmsd_A, "expected_rmsd_A")
+    low, middle, high = candidate.expected_rmsd_A
+    must(0.0 <= low <= middle <= high < math.inf, "expected_rmsd_A")
+    json.dumps(candidate.line.to_dict(), allow_nan=False)
 
 
 def fold(rng: Rng) -> None:
@@ -401,6 +405,10 @@ def fold(rng: Rng) -> None:
         taper=float(rng.uniform(0, 0.3)),
         energy_max=float(pick(rng, (10.0, 100.0))),
         max_candidates=2,
+        rank="energy",
+        shapes="rod",
+        exclude_relatives=True,
+        surroundings=False,
     )
     folds = le.fold(sources(rng), **given, all_models=some(rng, False))
     for loop in folds:

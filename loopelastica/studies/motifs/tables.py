@@ -178,13 +178,11 @@ def _solve(x: Array, y: Array, weights: Array) -> Array:
 
 def _folds(rows: Sequence[Mapping[str, Any]]) -> Array:
     """Fold of each row: families stay together, large and small ones go round."""
-    sizes: dict[str, set[str]] = {}
-    for row in rows:
-        sizes.setdefault(row["family"], set()).add(row["loop"])
-    order = sorted(sizes, key=lambda family: (-len(sizes[family]), family))
-    fold = {family: k % FOLDS for k, family in enumerate(order)}
     # a motif is one family: its sequences are what it is judged on
-    loops = sorted({row["loop"] for row in rows})
-    if len(order) < 2:
-        return np.array([loops.index(row["loop"]) % FOLDS for row in rows])
-    return np.array([fold[row["family"]] for row in rows])
+    group = "loop" if all(row["motif"] for row in rows) else "family"
+    members: dict[str, set[str]] = {}
+    for row in rows:
+        members.setdefault(row[group], set()).add(row["loop"])
+    order = sorted(members, key=lambda name: (-len(members[name]), name))
+    fold = {name: k % FOLDS for k, name in enumerate(order)}
+    return np.array([fold[row[group]] for row in rows])
