@@ -231,9 +231,7 @@ def _called(answer: Answer) -> str:
     """What an answer is to its reader."""
     if answer.line is None:
         return SURROUNDED if answer.kind == SURROUNDED else STRAIGHT
-    shape = answer.line.shape
-    single = answer.kind == "library"
-    return f"library {shape.source} ({shape.sequence[1:-1]})" if single else shape.source
+    return answer.shape
 
 
 def _known(

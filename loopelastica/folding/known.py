@@ -36,7 +36,6 @@ from loopelastica.folding.motifs import Motif, motif_of
 from loopelastica.folding.nearest import nearest
 from loopelastica.folding.shape_table import ShapeTable, copies_of, letters_of
 from loopelastica.molecule.ends import ClosingPoses
-from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.shapes import LoopShape, shape_between
 from loopelastica.rod.chain import deform_batch
 
@@ -72,8 +71,31 @@ class Answer(Record):
     line: ChainLine | None = None
     rod: int = -1
 
+    @property
+    def shape(self) -> str:
+        """What its line is, such as "motif GNRA, 134 loops"; "" for a rod."""
+        if self.line is None:
+            return ""
+        shape = self.line.shape
+        single = self.kind == "library"
+        return f"library {shape.source} ({shape.sequence[1:-1]})" if single else shape.source
+
     def __repr__(self) -> str:
         return f"<Answer {self.kind}>"
+
+
+class Loop(Protocol):
+    """What is asked about a loop: a hairpin, or a strand between two nucleotides like its stem."""
+
+    @property
+    def sequence(self) -> str:
+        """Bases from closing to closing nucleotide."""
+
+    @property
+    def is_dna(self) -> bool:
+        """Kind of what it is on."""
+
+    def __len__(self) -> int: ...
 
 
 class Traced(Protocol):
@@ -109,9 +131,9 @@ class Known(Record):
 
     Attributes
     ----------
-    hairpin : Hairpin
+    loop : Hairpin or another `Loop`
     poses : ClosingPoses
-        Of its closing pair.
+        Of its closing nucleotides.
     table : ShapeTable
         The k shapes.
     weighted : Weighted
@@ -124,7 +146,7 @@ class Known(Record):
         What the sequence says.
     """
 
-    hairpin: Hairpin
+    loop: Loop
     poses: ClosingPoses
     table: ShapeTable
     weighted: Weighted
@@ -133,7 +155,7 @@ class Known(Record):
     motif: Motif | None
 
     def __repr__(self) -> str:
-        return f"<Known: {len(self.table)} shapes for {self.hairpin.name}>"
+        return f"<Known: {len(self.table)} shapes for {self.loop.sequence}>"
 
     def answers(self, straight: Sequence[Traced], bent: Sequence[Traced] = ()) -> list[Answer]:
         """All answers, in the order that was measured to be best.
@@ -157,7 +179,7 @@ class Known(Record):
         first, kind = self._mean()
         rods, among = rod_answers(straight, bent)
         answers = [Answer(kind, first.trace, first.energy, first), *rods[:1], *among[:1]]
-        if self.hairpin.is_dna and rods:
+        if self.loop.is_dna and rods:
             mean = answers.pop(0)
             answers[1:1] = [mean] if self.same.any() else []
         for line in self._covering([one.trace_A for one in answers], FIRST - len(answers)):
@@ -173,8 +195,8 @@ class Known(Record):
         share = self.weighted.among(among)
         n = int(among.sum())
         name = f"mean of {n} loops" if not name else f"{name}, {n} loop{'s' * (n > 1)}"
-        sequence = self.hairpin.sequence.replace("T", "U")
-        shape = shape_between(share.mean_A, self.poses.local, sequence, self.hairpin.is_dna, name)
+        sequence = self.loop.sequence.replace("T", "U")
+        shape = shape_between(share.mean_A, self.poses.local, sequence, self.loop.is_dna, name)
         line = self._line(shape)
         return replace(line, energy=float(share.weights @ self.energies[among])), kind
 
@@ -205,14 +227,14 @@ class Known(Record):
         return np.asarray((trace_A - self.poses.start_origin_A) @ self.poses.start_frame)
 
     def _line(self, shape: LoopShape) -> ChainLine:
-        (line,) = chain_lines([shape], self.poses, self.hairpin.is_dna)
+        (line,) = chain_lines([shape], self.poses, self.loop.is_dna)
         assert line is not None, "every shape of the table was deformed before"
         return line
 
 
 def usable_shapes(
     library: Library,
-    hairpin: Hairpin,
+    loop: Loop,
     entries: Collection[str] = (),
     exclude_relatives: bool = False,
 ) -> ShapeTable:
@@ -222,8 +244,8 @@ def usable_shapes(
     ----------
     library : Library
         Loop shapes. Loops of DNA, of which few are known, may take those of RNA.
-    hairpin : Hairpin
-        Which loop; of its nucleotides only the sequence counts.
+    loop : Hairpin or another `Loop`
+        Of its nucleotides only the sequence counts.
     entries : collection of str
         Entries of the databank that the loop may be from: their shapes are left out.
     exclude_relatives : bool
@@ -234,24 +256,23 @@ def usable_shapes(
     ShapeTable
         Those of its length.
     """
-    table = library.of_length(len(hairpin), None if hairpin.is_dna else False)
+    table = library.of_length(len(loop), None if loop.is_dna else False)
     without = table.of_entries(entries)
     if exclude_relatives:
-        without |= table.relatives(hairpin.sequence)
+        without |= table.relatives(loop.sequence)
     return table.take(~without)
 
 
 def known_shapes(
-    hairpin: Hairpin, poses: ClosingPoses, table: ShapeTable, atoms_A: Array | None = None
+    loop: Loop, poses: ClosingPoses, table: ShapeTable, atoms_A: Array | None = None
 ) -> Known | None:
     """Deform loop shapes onto the stem of a loop, and weigh them.
 
     Parameters
     ----------
-    hairpin : Hairpin
-        Which loop.
+    loop : Hairpin or another `Loop`
     poses : ClosingPoses
-        Of its closing pair.
+        Of its closing nucleotides.
     table : ShapeTable
         Shapes of its length.
     atoms_A : (m, 3) array, optional
@@ -262,7 +283,7 @@ def known_shapes(
     Known or None
         None where nothing could be deformed onto this stem.
     """
-    table = table.take(nearest(table, poses, hairpin.sequence, MOST_SHAPES))
+    table = table.take(nearest(table, poses, loop.sequence, MOST_SHAPES))
     if not len(table):
         return None
     batch = deform_batch(table.steps_A, table.end_frames, poses.position_A, poses.rotation)
@@ -273,17 +294,17 @@ def known_shapes(
     near = np.zeros(len(table))
     if atoms_A is not None:
         near = atoms_per_point(poses.to_file(smooth_lines(nodes_A)), atoms_A)
-    distances = sequence_distance(table.letters, letters_of(hairpin.sequence))
+    distances = sequence_distance(table.letters, letters_of(loop.sequence))
     # of those that are left out none is a copy
-    weights = weigh(energies, distances, copies_of(table.letters), near, len(hairpin))
+    weights = weigh(energies, distances, copies_of(table.letters), near, len(loop))
     return Known(
-        hairpin,
+        loop,
         poses,
         table,
         Weighted(nodes_A[:, 1:-1], weights),
         energies,
-        table.same_loop(hairpin.sequence),
-        None if hairpin.is_dna else motif_of(hairpin.sequence),
+        table.same_loop(loop.sequence),
+        None if loop.is_dna else motif_of(loop.sequence),
     )
 
 

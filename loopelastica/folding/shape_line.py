@@ -1,0 +1,240 @@
+"""Lines of a strand that have the shape of others: of a template, or of a library's loops.
+
+    gap ─flanks→ poses ─templates, library→ elastic chains on them ─→ lines, best first
+
+A library holds hairpin loops. What it knows counts for a strand whose ends are like those of a
+hairpin loop: where its shapes need little energy to come there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from scipy.spatial import cKDTree
+
+from loopelastica._arrays import Array, Record, read_only
+from loopelastica.folding.known import Known, known_shapes, usable_shapes
+from loopelastica.folding.library import Library
+from loopelastica.folding.like import MOST, MOST_BENT
+from loopelastica.folding.line import StrandLine
+from loopelastica.folding.lines import ChainLine
+from loopelastica.folding.motifs import errors_of, typical_spread_A
+from loopelastica.folding.template import deformed
+from loopelastica.molecule.obstacles import obstacles
+from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
+from loopelastica.molecule.strand_ends import StrandEnds, flank_poses
+from loopelastica.molecule.templates import Template, counted
+
+FIRST_BENT: Final = 2.0
+"""Energy E·L/K0 up to which a mean over the same sequence or a motif comes before rods: of 34 such
+strands (hairpin loops for the most part) it is the better one in 26, of 31 with more in two."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class ShapeLine(Record):
+    """The shape of another strand between the two ends of this one, in place of a rod.
+
+    Attributes
+    ----------
+    chain : ChainLine
+        It, in the coordinates of the file.
+    shape : str
+        What it is, such as "like 1zih A.4-A.9" or "motif GNRA, 134 loops".
+    expected_rmsd_A : (3,) array
+        10, 50 and 90 % of its error, Å.
+    carried : tuple of Monomer
+        A template's nucleotides where the line takes them; empty where there are no atoms.
+    nearest_A : float or None
+        Distance of the nearest atom from the line; None where there is none.
+    nearest_atom : str
+        That atom, such as "A.G12 C5'"; "" where there is none.
+    """
+
+    chain: ChainLine
+    shape: str
+    expected_rmsd_A: Array
+    carried: tuple[Monomer, ...]
+    nearest_A: float | None
+    nearest_atom: str
+
+    @property
+    def trace(self) -> Array:
+        """Its node for each nucleotide (n, 3) in the coordinates of the file, Å."""
+        return read_only(self.chain.trace)
+
+    @property
+    def energy_per_A(self) -> float:
+        """Energy of the deformation over the bending rigidity, E/K0, in 1/Å."""
+        return self.chain.energy / self.chain.length_A
+
+    @property
+    def contact_energy_per_A(self) -> None:
+        """None: its surroundings do not bend it."""
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether it is a local minimum of the energy."""
+        return self.chain.stable
+
+    @property
+    def residual(self) -> float:
+        """Error of the solution, by an evaluation that the solver did not use."""
+        return self.chain.residual
+
+    def __repr__(self) -> str:
+        return f"<ShapeLine {self.shape}: E/K0 {self.energy_per_A:.3g} 1/Å>"
+
+
+@dataclass(frozen=True, slots=True)
+class _Loop:
+    """A strand as the loop that its flanking nucleotides would close."""
+
+    sequence: str
+    is_dna: bool
+
+    def __len__(self) -> int:
+        return len(self.sequence) - 2
+
+
+def known_strand(
+    gap: Gap,
+    ends: StrandEnds,
+    atoms: HeavyAtoms,
+    library: Library,
+    entries: Collection[str] = (),
+) -> Known | str:
+    """What a library knows of a strand.
+
+    Parameters
+    ----------
+    gap : Gap
+        What is missing.
+    ends : StrandEnds
+        Where a rod in its place begins and ends.
+    atoms : HeavyAtoms
+        All of the model.
+    library : Library
+        Loop shapes.
+    entries : collection of str
+        Entries of the databank that the structure may be: their shapes are left out.
+
+    Returns
+    -------
+    Known or str
+        Or why it knows nothing.
+    """
+    loop = _Loop(gap.context, ends.is_dna)
+    table = usable_shapes(library, loop, entries)
+    if not len(table):
+        return f"the library has no other loop of {counted(len(gap))}"
+    in_the_way_A = atoms.positions_A[obstacles(gap, ends, atoms)]
+    known = known_shapes(loop, flank_poses(gap.before, gap.after), table, in_the_way_A)
+    if known is None or known.energies.min() > MOST_BENT:
+        return "its ends are not like those of a hairpin loop"
+    return known
+
+
+def like_lines(
+    gap: Gap,
+    ends: StrandEnds,
+    atoms: HeavyAtoms,
+    templates: Sequence[Template],
+    known: Known | None = None,
+) -> tuple[ShapeLine, ...]:
+    """Templates of a strand deformed onto its ends, the most similar first.
+
+    Parameters
+    ----------
+    gap : Gap
+        What they stand for.
+    ends : StrandEnds
+        The ends of a rod in their place.
+    atoms : HeavyAtoms
+        All of the model.
+    templates : sequence of Template
+        Of as many nucleotides.
+    known : Known or None
+        What a library knows of it.
+
+    Returns
+    -------
+    tuple of ShapeLine
+        The first few; none that cannot be deformed so far.
+    """
+    if not templates:
+        return ()
+    found = deformed(templates, flank_poses(gap.before, gap.after), gap.context, ends.is_dna)[:MOST]
+    near = _Near(gap, ends, atoms)
+    return tuple(
+        ShapeLine(
+            one.line,
+            one.shape,
+            one.errors.at(_spread_A(known, one.line), one.line.energy, len(gap)),
+            one.carried,
+            *near.to(one.line),
+        )
+        for one in found
+    )
+
+
+def library_lines(
+    gap: Gap, ends: StrandEnds, atoms: HeavyAtoms, known: Known, rods: Sequence[StrandLine]
+) -> list[StrandLine | ShapeLine]:
+    """Rods of a strand and what a library knows of it, the best first.
+
+    A mean over the same sequence or over a motif comes before the rods where its loops fit the ends
+    (`FIRST_BENT`), any other mean after the first of them.
+
+    Parameters
+    ----------
+    gap : Gap
+        What they stand for.
+    ends : StrandEnds
+        The ends of the rods.
+    atoms : HeavyAtoms
+        All of the model.
+    known : Known
+        What a library knows of it.
+    rods : sequence of StrandLine
+        In their order; at least one.
+
+    Returns
+    -------
+    list of StrandLine or ShapeLine
+    """
+    answers = known.answers(rods)
+    first = answers[0]
+    if first.line is not None and (first.kind == "mean" or first.energy > FIRST_BENT):
+        answers[:2] = answers[1], first
+    near = _Near(gap, ends, atoms)
+    lines: list[StrandLine | ShapeLine] = []
+    for answer in answers:
+        chain = answer.line
+        if chain is None:
+            lines.append(rods[answer.rod])
+            continue
+        errors = errors_of(answer.kind)
+        expected = errors.at(_spread_A(known, chain), answer.energy, len(gap))
+        lines.append(ShapeLine(chain, answer.shape, expected, (), *near.to(chain)))
+    return lines
+
+
+def _spread_A(known: Known | None, line: ChainLine) -> float:
+    return typical_spread_A(len(line)) if known is None else known.spread_A(line.trace)
+
+
+class _Near:
+    """The atoms that a line may come near to."""
+
+    def __init__(self, gap: Gap, ends: StrandEnds, atoms: HeavyAtoms) -> None:
+        self._atoms, self._rows = atoms, obstacles(gap, ends, atoms)
+        self._tree = cKDTree(atoms.positions_A[self._rows])
+
+    def to(self, line: ChainLine) -> tuple[float | None, str]:
+        """Distance and label of the nearest one."""
+        if not len(self._rows):
+            return None, ""
+        apart, which = self._tree.query(line.sampled()[0])
+        return float(apart.min()), self._atoms.label(self._rows[which[apart.argmin()]])
