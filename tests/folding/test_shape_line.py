@@ -9,6 +9,7 @@ from loopelastica.folding.expected import expected_rmsd
 from loopelastica.folding.known import FIRST, library_at
 from loopelastica.folding.library import Library
 from loopelastica.folding.line import StrandLine, strand_lines
+from loopelastica.folding.motifs import errors_of
 from loopelastica.folding.shape_line import FIRST_BENT, MOST_BENT, known_strand, library_lines
 from loopelastica.folding.shape_table import FoundLoop
 from loopelastica.molecule.ends import fit_stem
@@ -150,12 +151,16 @@ def test_nothing_is_known_from_its_own_entry(loop, own):
     assert nothing == "the library has no other loop of 4 nucleotides"
 
 
-def test_expected_errors_are_of_the_kind_and_less_where_the_loop_is_known(loop, own):
+def test_expected_errors_are_of_the_kind_and_less_where_the_loop_is_known(loop):
     _, found_lines = lines(loop, library_at(None))
     for line in found_lines:
         low, middle, high = expected_rmsd(line, 30.0)
         assert 0.0 <= low < middle < high
     assert expected_rmsd(found_lines[0], 30.0)[1] < expected_rmsd(found_lines[1], 30.0)[1]
+    known = known_strand(*loop, library_at(None))
+    first = found_lines[0]
+    errors = errors_of("motif UNCG").at(known.spread_A(first.trace), first.chain.energy, 4)
+    np.testing.assert_allclose(first.expected_rmsd_A, errors)
 
 
 def test_atoms_in_its_way_make_a_shape_lighter(loop):
