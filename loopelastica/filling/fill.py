@@ -29,13 +29,12 @@ from loopelastica.filling.result import (
     Repair,
     waters_of,
 )
-from loopelastica.folding.expected import expected_rmsd
 from loopelastica.folding.known import Known, library_at
 from loopelastica.folding.library import Library
 from loopelastica.folding.like import check_strands, remarks, strand_templates
 from loopelastica.folding.line import NEAR_A
 from loopelastica.folding.options import keywords
-from loopelastica.folding.shape_line import known_strand
+from loopelastica.folding.shape_line import expected_error, known_strand
 from loopelastica.molecule.entry import Entry, read_entry
 from loopelastica.molecule.flanks import around
 from loopelastica.molecule.gaps import Gaps, Incomplete, find_gaps
@@ -226,7 +225,7 @@ class _Filler:
                 rank,
                 line,
                 model,
-                expected_rmsd(line, crowded),
+                expected_error(line, crowded),
                 waters_of(model, self.atoms, self.model),
             )
             for rank, (line, model) in enumerate(models, start=1)

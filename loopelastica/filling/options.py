@@ -39,8 +39,8 @@ class FillOptions(Options):
         Those of equal length are deformed onto the ends and lend their sugars and bases.
     library : str, optional
         File of a library of loops, or a folder of structures to take them from. Its shapes are
-        further candidates where the ends of a strand are like those of a hairpin loop; before the
-        rods stand those of the same sequence and of motifs. Default: none.
+        candidates too where the ends of a strand are like those of a hairpin loop: their mean, by
+        the error to expect before or after the first rod, and single ones. Default: none.
     max_size_MB, max_atoms : float, int
         How large a file may be: megabytes after decompression, atoms of a model.
     """

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, read_only
 from loopelastica.folding.line import StrandLine
-from loopelastica.folding.shape_line import ShapeLine
 
 SHIFT_A: Final = 0.05
 CLASSES: Final = ((1, "1"), (2, "2"), (4, "3-4"), (9, "5-9"), (math.inf, "10-12"))
@@ -70,16 +69,16 @@ def signs(line: StrandLine, crowding: float) -> Array:
     )
 
 
-def expected_rmsd(line: StrandLine | ShapeLine, crowding: float) -> Array:
+def expected_rmsd(line: StrandLine, crowding: float) -> Array:
     """10, 50 and 90 % of the error of a strand's backbone centroids, Å.
 
-    A line with the shape of another strand has its own. Beyond twelve nucleotides, where there was
-    nothing to learn from, that of a rod is the one of ten to twelve, in proportion to the number.
+    Beyond twelve nucleotides, where there was nothing to learn from, it is that of ten to twelve,
+    in proportion to the number.
 
     Parameters
     ----------
-    line : StrandLine or ShapeLine
-        The line that the strand is built on.
+    line : StrandLine
+        The rod that the strand is built on.
     crowding : float
         Atoms within 10 Å of its chord, per nucleotide.
 
@@ -87,8 +86,6 @@ def expected_rmsd(line: StrandLine | ShapeLine, crowding: float) -> Array:
     -------
     (3,) array
     """
-    if isinstance(line, ShapeLine):
-        return line.expected_rmsd_A
     coefficients, quantiles = TABLE[length_class(line.ends.n)]
     middle = float(np.dot(coefficients, signs(line, crowding)))
     return read_only([max(math.exp(middle + q) - SHIFT_A, 0.0) for q in quantiles])

@@ -5,17 +5,22 @@ import numpy as np
 import pytest
 from loop_shapes import found
 
-from loopelastica.folding.expected import expected_rmsd
 from loopelastica.folding.known import FIRST, library_at
 from loopelastica.folding.library import Library
 from loopelastica.folding.line import StrandLine, strand_lines
 from loopelastica.folding.motifs import errors_of
-from loopelastica.folding.shape_line import FIRST_BENT, MOST_BENT, known_strand, library_lines
+from loopelastica.folding.shape_line import (
+    MOST_BENT,
+    expected_error,
+    known_strand,
+    library_lines,
+)
 from loopelastica.folding.shape_table import FoundLoop
 from loopelastica.molecule.ends import fit_stem
 from loopelastica.molecule.entry import read_entry
 from loopelastica.molecule.gaps import find_gaps
 from loopelastica.molecule.hairpins import find_hairpins
+from loopelastica.molecule.obstacles import crowding, obstacles
 from loopelastica.molecule.polymer import HeavyAtoms
 from loopelastica.molecule.shapes import LoopShape, loop_shape
 from loopelastica.molecule.strand_ends import flank_poses, strand_ends
@@ -71,7 +76,6 @@ def test_the_same_sequence_comes_before_the_rods(loop, own):
     assert first.carried == ()
     assert first.stable
     assert first.residual < 1e-6
-    assert first.energy_per_A * first.chain.length_A < FIRST_BENT
     assert first.contact_energy_per_A is None
     assert first.nearest_A > 2.0
     assert first.nearest_atom.startswith("A.")
@@ -83,10 +87,7 @@ def test_a_motif_comes_before_the_rods(loop, own):
     assert [line.shape for line in found_lines[:2]] == ["motif UNCG, 1 loop", ROD]
 
 
-def test_a_mean_of_any_loops_comes_after_the_first_rod(loop):
-    _, found_lines = lines(loop, library_at(None))
-    names = [line.shape for line in found_lines]
-    assert names[0].startswith("motif UNCG, same sequence, ")
+def test_a_mean_that_errs_more_than_the_rod_comes_after_it(loop):
     others = Library.of(found("GACACC", f"{k + 1}xyz", seed=k, bend=0.3) for k in range(6))
     _, found_lines = lines(loop, others)
     names = [line.shape for line in found_lines]
@@ -96,11 +97,26 @@ def test_a_mean_of_any_loops_comes_after_the_first_rod(loop):
     assert len(set(names[:FIRST])) == FIRST
 
 
-def test_a_mean_that_does_not_fit_the_ends_comes_after_the_first_rod(loop):
-    known, found_lines = lines(loop, Library.of([found("CUUCGG", "9xyz")]))
-    assert FIRST_BENT < known.energies.min() < MOST_BENT
+@pytest.mark.parametrize("sequence", ["UUCG", "GAAA", "ACAC", "CUUG", "UUUU"])
+def test_of_mean_and_rod_the_one_that_errs_less_is_first(tmp_path, sequence):
+    any_loop = strand(gapped.gapped(tmp_path / "a.pdb", {6, 7, 8, 9}), f"A.6-9={sequence}")
+    _, found_lines = lines(any_loop, library_at(None))
+    gap, ends, atoms = any_loop
+    crowded = crowding(ends, atoms.positions_A[obstacles(gap, ends, atoms)])
+    middle = [expected_error(line, crowded)[1] for line in found_lines[:2]]
+    assert middle == sorted(middle)
+    assert {isinstance(line, StrandLine) for line in found_lines[:2]} == {True, False}
+    assert not found_lines[0].shape.startswith("library ")
+    assert not found_lines[1].shape.startswith("library ")
+
+
+@pytest.mark.parametrize("bend", [0.0, 1.0])
+def test_a_single_loop_that_does_not_fit_the_ends_is_not_sure_of_itself(loop, bend):
+    known, found_lines = lines(loop, Library.of([found("CUUCGG", "9xyz", bend=bend)]))
+    assert 2.0 < known.energies.min() < MOST_BENT
     names = [line.shape for line in found_lines]
     assert names[:2] == [ROD, "motif UNCG, same sequence, 1 loop"]
+    assert expected_error(found_lines[1], 30.0)[1] > 2.0
 
 
 def test_of_rods_each_is_there_once_and_in_its_order(loop):
@@ -154,9 +170,9 @@ def test_nothing_is_known_from_its_own_entry(loop, own):
 def test_expected_errors_are_of_the_kind_and_less_where_the_loop_is_known(loop):
     _, found_lines = lines(loop, library_at(None))
     for line in found_lines:
-        low, middle, high = expected_rmsd(line, 30.0)
+        low, middle, high = expected_error(line, 30.0)
         assert 0.0 <= low < middle < high
-    assert expected_rmsd(found_lines[0], 30.0)[1] < expected_rmsd(found_lines[1], 30.0)[1]
+    assert expected_error(found_lines[0], 30.0)[1] < expected_error(found_lines[1], 30.0)[1]
     known = known_strand(*loop, library_at(None))
     first = found_lines[0]
     errors = errors_of("motif UNCG").at(known.spread_A(first.trace), first.chain.energy, 4)
