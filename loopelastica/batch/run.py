@@ -17,6 +17,7 @@ from loopelastica.batch.journal import Journal, Record
 from loopelastica.batch.lock import alone_in
 from loopelastica.batch.workers import check_workers, outcomes
 from loopelastica.errors import LoopelasticaError
+from loopelastica.molecule.folders import structure_files
 
 Row = Mapping[str, Any]
 FAILURE_COLUMNS = ("file", "failure")
@@ -39,7 +40,7 @@ class Task:
     file : str
         The path as the user gave it, for tables and sentences.
     beside : tuple of str
-        Further files that the result depends on, such as a template.
+        Further files that the result depends on, such as a template, and folders of structures.
     """
 
     source: str
@@ -68,8 +69,9 @@ class Task:
     def key(self) -> str:
         """Digest of the file's content and of all that determines the result."""
         digest = hashlib.sha256()
-        for file in (self.source, *self.beside):
-            digest.update(_content(file))
+        digest.update(_content(self.source))
+        for place in self.beside:
+            digest.update(_listing(place) if os.path.isdir(place) else _content(place))
         what = [self.source, self.number, self.options, __version__]
         digest.update(json.dumps(what, sort_keys=True).encode())
         return digest.hexdigest()[:24]
@@ -85,6 +87,15 @@ def _content(file: str) -> bytes:
             return hashlib.file_digest(stream, "sha256").digest()
     except OSError:
         return b"unreadable"
+
+
+def _listing(folder: str) -> bytes:
+    """Digest of which structures a folder holds, and when each was written."""
+    try:
+        stats = [(str(path), path.stat()) for path in structure_files(Path(folder), deep=True)]
+    except (OSError, ValueError):
+        return b"unreadable"
+    return repr([(path, at.st_mtime_ns, at.st_size) for path, at in stats]).encode()
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,7 +202,8 @@ def tasks_of(
     out : Path
         Folder of the run.
     beside : iterable of str or None
-        Further files that all results depend on; None counts for none.
+        Further files, or folders of structures, that all results depend on; None counts for
+        none.
 
     Returns
     -------

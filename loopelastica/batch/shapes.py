@@ -149,7 +149,7 @@ def build_library(
             left_out[row["left_out"]] += 1
     library = Library.of(loops)
     notes = [*_left_out(left_out, len(loops) - len(library))]
-    if none := done.n_files - len(with_loop):
+    if none := max(done.n_files - len(with_loop) - len(done.failures), 0):
         have = "1 file has" if none == 1 else f"{none} files have"
         notes.append(f"{have} no loop of {MIN_NUCLEOTIDES} to {MAX_NUCLEOTIDES} nucleotides")
     if not library:

@@ -32,6 +32,14 @@ _Like = Annotated[
         show_default=False,
     ),
 ]
+_Library = Annotated[
+    str | None,
+    typer.Option(
+        help="Library of loops, a file or a folder of structures: its shapes for strands whose ends"
+        " are like those of a hairpin loop.",
+        show_default=False,
+    ),
+]
 _Candidates = Annotated[int, typer.Option(help="Most models per strand.", min=1)]
 
 
@@ -42,6 +50,7 @@ def fill(
     repair: _Repair = False,
     candidates: _Candidates = 1,
     like: _Like = None,
+    library: _Library = None,
     max_size: o.MaxSize = None,
     max_atoms: o.MaxAtoms = None,
     jobs: o.Jobs = None,
@@ -56,6 +65,7 @@ def fill(
     from loopelastica.batch.fills import FILLS
     from loopelastica.batch.run import distinct, run, tasks_of
     from loopelastica.filling.options import FillOptions
+    from loopelastica.folding.known import library_at
     from loopelastica.folding.like import check_strands, file_of
     from loopelastica.report.tables import console, fill_table
 
@@ -67,13 +77,17 @@ def fill(
             repair=repair,
             candidates=candidates,
             like=like,
+            library=library,
             **o.limits(max_size, max_atoms),
         )
     if options.like is not None:
-        # a template that is none fails once, not for each file
+        # a template or a library that is none fails once, not for each file
         check_strands(options.like, (), options.limits)
+    if options.library is not None:
+        library_at(options.library)
     with o.usage():
-        tasks = tasks_of(files, options.to_dict(), out, [file_of(options.like)])
+        beside = (file_of(options.like), options.library)
+        tasks = tasks_of(files, options.to_dict(), out, beside)
         progress = len(files) > 1
         done = run(FILLS, tasks, out, jobs or 1, scheduler, progress, wording=in_options)
     if done.n_files > 1 or done.n_resumed:

@@ -101,6 +101,10 @@ def fold(
 
         # a template that is none fails once, not for each file
         check_loops(options.like, (), options.limits)
+    if options.library is not None and options.shapes == "all":
+        from loopelastica.folding.known import library_at
+
+        library_at(options.library)
     if many:
         _fold_many(files, out, options, plot, jobs or 1, scheduler)
     else:

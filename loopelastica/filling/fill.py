@@ -29,18 +29,21 @@ from loopelastica.filling.result import (
     Repair,
     waters_of,
 )
-from loopelastica.folding.expected import expected_rmsd
+from loopelastica.folding.known import Known, library_at
+from loopelastica.folding.library import Library
 from loopelastica.folding.like import check_strands, remarks, strand_templates
-from loopelastica.folding.line import NEAR_A, LikeLine
+from loopelastica.folding.line import NEAR_A
 from loopelastica.folding.options import keywords
+from loopelastica.folding.shape_line import expected_error, known_strand
 from loopelastica.molecule.entry import Entry, read_entry
 from loopelastica.molecule.flanks import around
 from loopelastica.molecule.gaps import Gaps, Incomplete, find_gaps
+from loopelastica.molecule.identity import entries_of
 from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.obstacles import crowding, obstacles
 from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
 from loopelastica.molecule.refusals import Refusal, refusal
-from loopelastica.molecule.strand_ends import strand_ends
+from loopelastica.molecule.strand_ends import StrandEnds, strand_ends
 from loopelastica.molecule.surroundings import heavy_atoms, symmetry_mates
 from loopelastica.molecule.templates import Template
 
@@ -92,13 +95,14 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
     -------
     Filling
     """
+    library = None if options.library is None else library_at(options.library)
     strands: list[FilledStrand] = []
     completions: list[Completion] = []
     repairs: list[Repair] = []
     remarks: list[str] = []
     unrepaired: list[str] = []
     for model in range(entry.n_models):
-        filler = _Filler(entry, model, options)
+        filler = _Filler(entry, model, options, library)
         if options.repair:
             repairs += filler.repairs()
             unrepaired += filler.unrepaired
@@ -147,8 +151,10 @@ def _with_mates(entry: Entry, atoms: HeavyAtoms, strands: list[FilledStrand]) ->
 class _Filler:
     """One model of an entry; its atoms grow with every strand."""
 
-    def __init__(self, entry: Entry, model: int, options: FillOptions) -> None:
-        self.entry, self.model, self.options = entry, model, options
+    def __init__(
+        self, entry: Entry, model: int, options: FillOptions, library: Library | None = None
+    ) -> None:
+        self.entry, self.model, self.options, self.library = entry, model, options, library
         self.found = _found(entry, model, options)
         if options.like is not None:
             check_strands(options.like, self.found.gaps, options.limits)
@@ -211,13 +217,15 @@ class _Filler:
         ends = strand_ends(gap)
         crowded = crowding(ends, self.atoms.positions_A[obstacles(gap, ends, self.atoms)])
         templates, unlike = self._templates(gap)
-        models = strand_models(gap, ends, self.atoms, self.options.candidates, templates)
+        known, unknown = self._known(gap, ends)
+        most = self.options.candidates
+        models = strand_models(gap, ends, self.atoms, most, templates, known)
         candidates = tuple(
             FilledCandidate(
                 rank,
                 line,
                 model,
-                expected_rmsd(line, crowded),
+                expected_error(line, crowded),
                 waters_of(model, self.atoms, self.model),
             )
             for rank, (line, model) in enumerate(models, start=1)
@@ -235,7 +243,7 @@ class _Filler:
             distance_A=ends.distance_A,
             length_A=ends.length_A,
             crowding=crowded,
-            remarks=(*gap.remarks, *unlike, *_remarks(gap, candidates[0], bool(templates))),
+            remarks=(*gap.remarks, *unlike, *unknown, *_remarks(gap, candidates[0], templates)),
             nucleotides=len(gap),
         )
 
@@ -246,6 +254,16 @@ class _Filler:
             return (), ()
         found = strand_templates(like, gap, self.options.limits)
         return found, tuple(remarks(like, "strand", gap.name, len(gap), found))
+
+    def _known(self, gap: Gap, ends: StrandEnds) -> tuple[Known | None, tuple[str, ...]]:
+        """What the library knows of a strand, and what is to be said where that is nothing."""
+        if self.library is None:
+            return None, ()
+        entries = entries_of(self.entry.path or self.entry.loaded_from)
+        found = known_strand(gap, ends, self.atoms, self.library, entries)
+        if isinstance(found, Known):
+            return found, ()
+        return None, (f"{gap.name}: {found}; it is made without the library",)
 
     def _refused(self, found: Refusal) -> FilledStrand:
         return FilledStrand(
@@ -313,8 +331,8 @@ def _left(incomplete: Sequence[Incomplete]) -> Iterator[str]:
         )
 
 
-def _remarks(gap: Gap, first: FilledCandidate, like: bool) -> Iterator[str]:
-    if like and not isinstance(first.line, LikeLine):
+def _remarks(gap: Gap, first: FilledCandidate, templates: Sequence[Template]) -> Iterator[str]:
+    if templates and first.shape not in {template.name for template in templates}:
         yield f"{gap.name}: no model that is like its template is sound; it is made without"
     near = first.line.nearest_A
     if near is not None and near < NEAR_A:

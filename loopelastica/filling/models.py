@@ -11,11 +11,13 @@ from numpy.typing import ArrayLike
 from loopelastica._arrays import Array
 from loopelastica.atoms.carry import ChainCurve, Curve, Line
 from loopelastica.atoms.strand import StrandModel, build_strand
-from loopelastica.folding.line import LikeLine, StrandLine, like_lines, strand_lines
+from loopelastica.folding.known import Known
+from loopelastica.folding.line import StrandLine, strand_lines
+from loopelastica.folding.shape_line import ShapeLine, library_lines, like_lines
 from loopelastica.molecule.ends import ClosingPoses
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
 from loopelastica.molecule.strand_ends import StrandEnds, strand_ends
-from loopelastica.molecule.strands import Strand, ideal_strand
+from loopelastica.molecule.strands import ideal_strand
 from loopelastica.molecule.templates import Template
 
 SPARE: Final = 4
@@ -32,10 +34,11 @@ def strand_models(
     atoms: HeavyAtoms,
     most: int = 1,
     templates: Sequence[Template] = (),
-) -> list[tuple[StrandLine | LikeLine, StrandModel]]:
+    known: Known | None = None,
+) -> list[tuple[StrandLine | ShapeLine, StrandModel]]:
     """Lines of a strand with atoms on them: sound models first, then the order of the lines.
 
-    Templates come before rods, which are tried where they leave something to be wished.
+    Templates come before all else, which is tried where they leave something to be wished.
 
     Parameters
     ----------
@@ -49,30 +52,35 @@ def strand_models(
         How many at most.
     templates : sequence of Template
         Of as many nucleotides.
+    known : Known or None
+        What a library knows of it.
 
     Returns
     -------
-    list of (StrandLine or LikeLine, StrandModel)
+    list of (StrandLine or ShapeLine, StrandModel)
 
     Raises
     ------
     StructureError
         If no line was found, or a base is unknown.
     """
-    models: list[tuple[StrandLine | LikeLine, StrandModel]] = [
-        (line, _like(line, gap, atoms)) for line in like_lines(gap, ends, atoms, templates)
+    models: list[tuple[StrandLine | ShapeLine, StrandModel]] = [
+        (line, _on(line, gap, atoms)) for line in like_lines(gap, ends, atoms, templates, known)
     ]
     sound = sum(model.checks.sound for _, model in models)
     if sound < most:
-        models += _on_rods(gap, ends, atoms, most - sound)
+        models += _without_template(gap, ends, atoms, most - sound, known)
     return sorted(models, key=lambda pair: not pair[1].checks.sound)[:most]
 
 
-def _on_rods(
-    gap: Gap, ends: StrandEnds, atoms: HeavyAtoms, most: int
-) -> list[tuple[StrandLine, StrandModel]]:
-    """Rods in their surroundings with atoms on them; more where none is sound."""
-    lines = strand_lines(gap, ends, atoms, max(most, SPARE))
+def _without_template(
+    gap: Gap, ends: StrandEnds, atoms: HeavyAtoms, most: int, known: Known | None
+) -> list[tuple[StrandLine | ShapeLine, StrandModel]]:
+    """Rods in their surroundings and what a library knows, with atoms; more where none is sound."""
+    rods = strand_lines(gap, ends, atoms, max(most, SPARE))
+    lines: Sequence[StrandLine | ShapeLine] = (
+        rods if known is None else library_lines(gap, ends, atoms, known, rods)
+    )
     models = [(line, _on(line, gap, atoms)) for line in lines[:most]]
     if not any(model.checks.sound for _, model in models):
         for line in _others(lines[most:], gap, ends, atoms):
@@ -83,34 +91,22 @@ def _on_rods(
 
 
 def _others(
-    left: Sequence[StrandLine], gap: Gap, ends: StrandEnds, atoms: HeavyAtoms
-) -> Iterator[StrandLine]:
-    """Lines to be tried where no model on the first ones is sound: other minima, longer rods."""
+    left: Sequence[StrandLine | ShapeLine], gap: Gap, ends: StrandEnds, atoms: HeavyAtoms
+) -> Iterator[StrandLine | ShapeLine]:
+    """Lines to be tried where no model on the first ones is sound: those left, longer rods."""
     yield from left
     for factor in LONGER:
         yield strand_lines(gap, replace(ends, length_A=factor * ends.length_A), atoms)[0]
 
 
-def _on(line: StrandLine, gap: Gap, atoms: HeavyAtoms) -> StrandModel:
-    """Atoms on a line."""
-    between = Line.between(line.rod, line.ends, _strand(gap))
-    return build_strand(gap, _InFile(between, line.ends), atoms, max_seconds=MAX_SECONDS)
-
-
-def _like(line: LikeLine, gap: Gap, atoms: HeavyAtoms) -> StrandModel:
-    """Atoms on a template, from its own where it has as many nucleotides."""
-    chain = line.deformed.line
-    return build_strand(
-        gap,
-        _InFile(ChainCurve.of(chain, _strand(gap)), chain.poses),
-        atoms,
-        templates=line.deformed.carried,
-        max_seconds=MAX_SECONDS,
-    )
-
-
-def _strand(gap: Gap) -> Strand:
-    return ideal_strand(sum(monomer.is_dna for monomer in gap.monomers) > len(gap) / 2)
+def _on(line: StrandLine | ShapeLine, gap: Gap, atoms: HeavyAtoms) -> StrandModel:
+    """Atoms on a line; on a template from its own where it has as many nucleotides."""
+    strand = ideal_strand(sum(monomer.is_dna for monomer in gap.monomers) > len(gap) / 2)
+    if isinstance(line, ShapeLine):
+        curve = _InFile(ChainCurve.of(line.chain, strand), line.chain.poses)
+        return build_strand(gap, curve, atoms, templates=line.carried, max_seconds=MAX_SECONDS)
+    curve = _InFile(Line.between(line.rod, line.ends, strand), line.ends)
+    return build_strand(gap, curve, atoms, max_seconds=MAX_SECONDS)
 
 
 def first_model(gap: Gap, atoms: HeavyAtoms) -> StrandModel:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from loopelastica._checks import flag, optional, positive, whole
+from loopelastica._checks import file_name, flag, optional, positive, whole
 from loopelastica.folding.options import Options, option
 from loopelastica.molecule.reading import MAX_ATOMS, MAX_SIZE_MB, Limits
 from loopelastica.molecule.requests import requests
@@ -37,6 +37,10 @@ class FillOptions(Options):
         A strand of another structure that these are like, by the nucleotides before and after it,
         "FILE:A.4-A.9"; or "FILE", any strand of it with the same letters, else its hairpin loops.
         Those of equal length are deformed onto the ends and lend their sugars and bases.
+    library : str, optional
+        File of a library of loops, or a folder of structures to take them from. Its shapes are
+        candidates too where the ends of a strand are like those of a hairpin loop: their mean, by
+        the error to expect before or after the first rod, and single ones. Default: none.
     max_size_MB, max_atoms : float, int
         How large a file may be: megabytes after decompression, atoms of a model.
     """
@@ -45,6 +49,7 @@ class FillOptions(Options):
     repair: bool = option(False, flag)
     candidates: int = option(1, whole(1))
     like: str | None = option(None, optional(likeness))
+    library: str | None = option(None, optional(file_name))
     max_size_MB: float = option(MAX_SIZE_MB, positive)
     max_atoms: int = option(MAX_ATOMS, whole(1))
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import whole
-from loopelastica.folding.line import LikeLine, StrandLine
+from loopelastica.folding.line import StrandLine
+from loopelastica.folding.shape_line import ShapeLine
 from loopelastica.molecule.nucleotides import enumerated
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class FilledCandidate(Record):
     ----------
     rank : int
         1 for the one that is expected to be nearest.
-    line : StrandLine or LikeLine
+    line : StrandLine or ShapeLine
         The line it was built on: energy, contacts, nearest atom.
     atoms : StrandModel
         Its atoms and what was measured on them.
@@ -45,7 +46,7 @@ class FilledCandidate(Record):
     """
 
     rank: int
-    line: StrandLine | LikeLine
+    line: StrandLine | ShapeLine
     atoms: StrandModel
     expected_rmsd_A: Array
     waters: tuple[Removed, ...] = ()

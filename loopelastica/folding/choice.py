@@ -29,6 +29,8 @@ CONTACT_A: Final = 3.5
 """Backbones come no nearer to other heavy atoms than this: 0.02 atoms per point in loops."""
 SAME_CLASS: Final = 0.6
 """Weight of a substitution that keeps purine or pyrimidine."""
+SAME_A: Final = 0.25
+"""Answers that are nearer to each other than this are one."""
 POINTS: Final = 6
 """Points of a line per nucleotide at which atoms are counted."""
 _CLOSING, _FIRST = 0.25, 1.5
@@ -151,7 +153,7 @@ def covering(weighted: Weighted, covered_A: Array | None, count: int) -> list[in
     Returns
     -------
     list of int
-        Rows, each with some weight.
+        Rows, each with some weight; fewer where the others lie on answers that are there.
     """
     rows = np.flatnonzero(weighted.weights > 0.0)
     if not len(rows):
@@ -162,8 +164,11 @@ def covering(weighted: Weighted, covered_A: Array | None, count: int) -> list[in
     chosen: list[int] = []
     for _ in range(min(count, len(rows))):
         left = np.minimum(nearest, between) @ likely
-        left[chosen] = np.inf
+        # what lies on an answer is none of its own
+        left[nearest < SAME_A] = np.inf
         best = int(np.argmin(left))
+        if not np.isfinite(left[best]):
+            break
         chosen.append(best)
         nearest = np.minimum(nearest, between[best])
     return [int(rows[best]) for best in chosen]

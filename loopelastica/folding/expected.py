@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, read_only
-from loopelastica.folding.line import LikeLine, StrandLine
-from loopelastica.folding.motifs import typical_spread_A
+from loopelastica.folding.line import StrandLine
 
 SHIFT_A: Final = 0.05
 CLASSES: Final = ((1, "1"), (2, "2"), (4, "3-4"), (9, "5-9"), (math.inf, "10-12"))
@@ -70,7 +69,7 @@ def signs(line: StrandLine, crowding: float) -> Array:
     )
 
 
-def expected_rmsd(line: StrandLine | LikeLine, crowding: float) -> Array:
+def expected_rmsd(line: StrandLine, crowding: float) -> Array:
     """10, 50 and 90 % of the error of a strand's backbone centroids, Å.
 
     Beyond twelve nucleotides, where there was nothing to learn from, it is that of ten to twelve,
@@ -78,8 +77,8 @@ def expected_rmsd(line: StrandLine | LikeLine, crowding: float) -> Array:
 
     Parameters
     ----------
-    line : StrandLine or LikeLine
-        The line that the strand is built on.
+    line : StrandLine
+        The rod that the strand is built on.
     crowding : float
         Atoms within 10 Å of its chord, per nucleotide.
 
@@ -87,9 +86,6 @@ def expected_rmsd(line: StrandLine | LikeLine, crowding: float) -> Array:
     -------
     (3,) array
     """
-    if isinstance(line, LikeLine):
-        n, one = len(line.deformed.template), line.deformed
-        return one.errors.at(typical_spread_A(n), one.line.energy, n)
     coefficients, quantiles = TABLE[length_class(line.ends.n)]
     middle = float(np.dot(coefficients, signs(line, crowding)))
     return read_only([max(math.exp(middle + q) - SHIFT_A, 0.0) for q in quantiles])

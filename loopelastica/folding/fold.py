@@ -94,7 +94,7 @@ def fold_hairpins(
     if options.like is not None:
         check_loops(options.like, hairpins, options.limits)
     folds: list[list[LoopFold]] = [[] for _ in hairpins]
-    scene = scene_of(structure, options) if hairpins else Scene()
+    scene = scene_of(structure, hairpins, options) if hairpins else Scene()
     for positions in structure.models():
         for hairpin, models in zip(hairpins, folds, strict=True):
             models.append(fold_model(structure.nucleotides, hairpin, positions, options, scene))
@@ -173,6 +173,11 @@ def _remarks(
         yield (
             f"{hairpin.label}: the file lacks backbone atoms of the loop, so the trace is compared"
             " with nothing"
+        )
+    if hairpin.contacts and options.shapes == "all":
+        yield (
+            f"{hairpin.label}: nucleotides of the loop pair elsewhere; errors to expect are those"
+            " of loops that do not"
         )
     if options.like is not None:
         templates = loop_templates(options.like, len(hairpin), options.limits)

@@ -9,11 +9,14 @@ last.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Final
 
 from loopelastica._arrays import Array, Record
+from loopelastica.errors import StructureError
+from loopelastica.folding.choice import SAME_A
 from loopelastica.folding.known import (
     Answer,
     Known,
@@ -36,11 +39,10 @@ from loopelastica.molecule.identity import entries_of
 from loopelastica.molecule.neighbours import Neighbours, neighbours
 from loopelastica.molecule.nucleotides import Structure
 from loopelastica.molecule.polymer import Monomer
+from loopelastica.molecule.shapes import LoopShape, loop_shape
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.rod.equilibrium import Equilibrium
 
-SAME_A: Final = 0.25
-"""A rod that its surroundings move by less is no answer of its own."""
 STRAIGHT: Final = "straight rod"
 _POINTS: Final = 10
 
@@ -86,20 +88,26 @@ class Scene(Record):
         Shapes of loops.
     entries : tuple of str
         Entries of the databank that the structure may be; their shapes are not used.
+    own : mapping of str to LoopShape
+        Loops as the first model has them, by the names of their hairpins: for leaving them out of
+        the library, and for nothing else.
     """
 
     others: Neighbours | None = None
     library: Library | None = None
     entries: tuple[str, ...] = ()
+    own: Mapping[str, LoopShape] = field(default_factory=dict)
 
 
-def scene_of(structure: Structure, options: FoldOptions) -> Scene:
+def scene_of(structure: Structure, hairpins: Iterable[Hairpin], options: FoldOptions) -> Scene:
     """What the options ask for beside the loop itself.
 
     Parameters
     ----------
     structure : Structure
         What was read.
+    hairpins : iterable of Hairpin
+        What was found in it.
     options : FoldOptions
 
     Returns
@@ -117,7 +125,20 @@ def scene_of(structure: Structure, options: FoldOptions) -> Scene:
         neighbours(structure) if options.surroundings else None,
         library_at(options.library),
         entries_of(structure),
+        dict(_own_shapes(structure, hairpins)),
     )
+
+
+def _own_shapes(
+    structure: Structure, hairpins: Iterable[Hairpin]
+) -> Iterator[tuple[str, LoopShape]]:
+    positions = structure.positions(0)
+    for hairpin in hairpins:
+        # why a stem cannot be placed is said where it is folded
+        with suppress(StructureError):
+            made = loop_shape(structure.nucleotides, hairpin, positions)
+            if made is not None:
+                yield hairpin.name, made[0]
 
 
 def hypotheses(
@@ -176,7 +197,8 @@ def hypotheses(
     for answer in answers:
         line = lines[answer.rod] if answer.line is None else answer.line
         spread_A = _spread_A(known, answer.trace_A, n)
-        expected = errors_of(answer.kind).at(spread_A, answer.energy, n)
+        kind = answer.kind if known is not None else f"{answer.kind} alone"
+        expected = errors_of(kind).at(spread_A, answer.energy, n)
         found.append(Hypothesis(line, _called(answer), expected, len(found)))
     return tuple(found)
 
@@ -220,7 +242,7 @@ def straight_rods(
         Hypothesis(
             RodLine(rod, ends),
             STRAIGHT,
-            errors_of("further rod" if k else "rod").at(spread_A, rod.energy, n),
+            errors_of("further rod alone" if k else "rod alone").at(spread_A, rod.energy, n),
             k,
         )
         for k, rod in enumerate(rods)
@@ -231,9 +253,7 @@ def _called(answer: Answer) -> str:
     """What an answer is to its reader."""
     if answer.line is None:
         return SURROUNDED if answer.kind == SURROUNDED else STRAIGHT
-    shape = answer.line.shape
-    single = answer.kind == "library"
-    return f"library {shape.source} ({shape.sequence[1:-1]})" if single else shape.source
+    return answer.shape
 
 
 def _known(
@@ -245,7 +265,13 @@ def _known(
 ) -> Known | None:
     if scene.library is None:
         return None
-    table = usable_shapes(scene.library, hairpin, scene.entries, options.exclude_relatives)
+    table = usable_shapes(
+        scene.library,
+        hairpin,
+        scene.entries,
+        options.exclude_relatives,
+        scene.own.get(hairpin.name),
+    )
     return known_shapes(hairpin, poses, table, atoms_A)
 
 

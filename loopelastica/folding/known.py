@@ -9,6 +9,7 @@ the error to expect of it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,11 +33,10 @@ from loopelastica.folding.gathering import library_of_folder
 from loopelastica.folding.library import Library
 from loopelastica.folding.library_file import load_library
 from loopelastica.folding.lines import ChainLine, chain_lines
-from loopelastica.folding.motifs import Motif, motif_of
+from loopelastica.folding.motifs import Motif, motif_of, typical_spread_A
 from loopelastica.folding.nearest import nearest
 from loopelastica.folding.shape_table import ShapeTable, copies_of, letters_of
 from loopelastica.molecule.ends import ClosingPoses
-from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.shapes import LoopShape, shape_between
 from loopelastica.rod.chain import deform_batch
 
@@ -44,6 +44,10 @@ MOST_SHAPES: Final = 600
 """Shapes that are deformed; of more, those of least estimated energy."""
 
 
+DOUBT: Final = 3.0
+"""Sequences of unknown shape that are added to those of a library, for the error to expect."""
+OWN_A: Final = 0.1
+"""A shape of the same sequence that is as near as this to the file's loop is this loop."""
 FIRST: Final = 5
 """Answers that differ in what they assume come first, so many."""
 
@@ -72,8 +76,31 @@ class Answer(Record):
     line: ChainLine | None = None
     rod: int = -1
 
+    @property
+    def shape(self) -> str:
+        """What its line is, such as "motif GNRA, 134 loops"; "" for a rod."""
+        if self.line is None:
+            return ""
+        shape = self.line.shape
+        single = self.kind == "library"
+        return f"library {shape.source} ({shape.sequence[1:-1]})" if single else shape.source
+
     def __repr__(self) -> str:
         return f"<Answer {self.kind}>"
+
+
+class Loop(Protocol):
+    """What is asked about a loop: a hairpin, or a strand between two nucleotides like its stem."""
+
+    @property
+    def sequence(self) -> str:
+        """Bases from closing to closing nucleotide."""
+
+    @property
+    def is_dna(self) -> bool:
+        """Kind of what it is on."""
+
+    def __len__(self) -> int: ...
 
 
 class Traced(Protocol):
@@ -109,9 +136,9 @@ class Known(Record):
 
     Attributes
     ----------
-    hairpin : Hairpin
+    loop : Hairpin or another `Loop`
     poses : ClosingPoses
-        Of its closing pair.
+        Of its closing nucleotides.
     table : ShapeTable
         The k shapes.
     weighted : Weighted
@@ -124,7 +151,7 @@ class Known(Record):
         What the sequence says.
     """
 
-    hairpin: Hairpin
+    loop: Loop
     poses: ClosingPoses
     table: ShapeTable
     weighted: Weighted
@@ -133,7 +160,7 @@ class Known(Record):
     motif: Motif | None
 
     def __repr__(self) -> str:
-        return f"<Known: {len(self.table)} shapes for {self.hairpin.name}>"
+        return f"<Known: {len(self.table)} shapes for {self.loop.sequence}>"
 
     def answers(self, straight: Sequence[Traced], bent: Sequence[Traced] = ()) -> list[Answer]:
         """All answers, in the order that was measured to be best.
@@ -157,7 +184,7 @@ class Known(Record):
         first, kind = self._mean()
         rods, among = rod_answers(straight, bent)
         answers = [Answer(kind, first.trace, first.energy, first), *rods[:1], *among[:1]]
-        if self.hairpin.is_dna and rods:
+        if self.loop.is_dna and rods:
             mean = answers.pop(0)
             answers[1:1] = [mean] if self.same.any() else []
         for line in self._covering([one.trace_A for one in answers], FIRST - len(answers)):
@@ -172,10 +199,12 @@ class Known(Record):
         among, kind, name = self._basis()
         share = self.weighted.among(among)
         n = int(among.sum())
-        name = f"mean of {n} loops" if not name else f"{name}, {n} loop{'s' * (n > 1)}"
-        sequence = self.hairpin.sequence.replace("T", "U")
-        shape = shape_between(share.mean_A, self.poses.local, sequence, self.hairpin.is_dna, name)
-        (line,) = chain_lines([shape], self.poses, self.hairpin.is_dna)
+        if n == 1 and not name:
+            return self._line(self.table.shape(int(np.flatnonzero(among)[0]))), "library"
+        name = f"{name}, {n} loop{'s' * (n > 1)}" if name else f"mean of {n} loops"
+        sequence = self.loop.sequence.replace("T", "U")
+        shape = shape_between(share.mean_A, self.poses.local, sequence, self.loop.is_dna, name)
+        (line,) = chain_lines([shape], self.poses, self.loop.is_dna)
         if line is None:
             # means of shapes that contradict each other can be folded up
             line = self._line(self.table.shape(int(np.argmax(self.weighted.weights * among))))
@@ -188,8 +217,13 @@ class Known(Record):
         return [self._line(self.table.shape(row)) for row in rows]
 
     def spread_A(self, trace_A: Array) -> float:
-        """Expected distance of the loop from an answer (n, 3) in the file's coordinates, Å."""
-        return self.weighted.distance_A(self._local(trace_A))
+        """Expected distance of the loop from an answer (n, 3) in the file's coordinates, Å.
+
+        Few shapes know little: `DOUBT` sequences as far apart as is usual are added to them.
+        """
+        n, own = len(self.loop), self.weighted.distance_A(self._local(trace_A))
+        k = len(np.unique(self.table.letters[:, 1:-1], axis=0))
+        return math.sqrt((k * own**2 + DOUBT * typical_spread_A(n) ** 2) / (k + DOUBT))
 
     def _basis(self) -> tuple[NDArray[np.bool_], str, str]:
         """Which shapes the mean is over, its kind in the table of errors, and what it is called."""
@@ -208,16 +242,17 @@ class Known(Record):
         return np.asarray((trace_A - self.poses.start_origin_A) @ self.poses.start_frame)
 
     def _line(self, shape: LoopShape) -> ChainLine:
-        (line,) = chain_lines([shape], self.poses, self.hairpin.is_dna)
+        (line,) = chain_lines([shape], self.poses, self.loop.is_dna)
         assert line is not None, "every shape of the table was deformed before"
         return line
 
 
 def usable_shapes(
     library: Library,
-    hairpin: Hairpin,
+    loop: Loop,
     entries: Collection[str] = (),
     exclude_relatives: bool = False,
+    own: LoopShape | None = None,
 ) -> ShapeTable:
     """What a library has for a loop.
 
@@ -225,36 +260,40 @@ def usable_shapes(
     ----------
     library : Library
         Loop shapes. Loops of DNA, of which few are known, may take those of RNA.
-    hairpin : Hairpin
-        Which loop; of its nucleotides only the sequence counts.
+    loop : Hairpin or another `Loop`
+        Of its nucleotides only the sequence counts.
     entries : collection of str
         Entries of the databank that the loop may be from: their shapes are left out.
     exclude_relatives : bool
         Leave out shapes of related sequences.
+    own : LoopShape, optional
+        The loop as the file has it: a shape that is the same (`OWN_A`) is from another copy of the
+        file and is left out. It has no other use.
 
     Returns
     -------
     ShapeTable
         Those of its length.
     """
-    table = library.of_length(len(hairpin), None if hairpin.is_dna else False)
+    table = library.of_length(len(loop), None if loop.is_dna else False)
     without = table.of_entries(entries)
     if exclude_relatives:
-        without |= table.relatives(hairpin.sequence)
+        without |= table.relatives(loop.sequence)
+    if own is not None:
+        without |= table.like(own, OWN_A)
     return table.take(~without)
 
 
 def known_shapes(
-    hairpin: Hairpin, poses: ClosingPoses, table: ShapeTable, atoms_A: Array | None = None
+    loop: Loop, poses: ClosingPoses, table: ShapeTable, atoms_A: Array | None = None
 ) -> Known | None:
     """Deform loop shapes onto the stem of a loop, and weigh them.
 
     Parameters
     ----------
-    hairpin : Hairpin
-        Which loop.
+    loop : Hairpin or another `Loop`
     poses : ClosingPoses
-        Of its closing pair.
+        Of its closing nucleotides.
     table : ShapeTable
         Shapes of its length.
     atoms_A : (m, 3) array, optional
@@ -265,28 +304,30 @@ def known_shapes(
     Known or None
         None where nothing could be deformed onto this stem.
     """
-    table = table.take(nearest(table, poses, hairpin.sequence, MOST_SHAPES))
+    copies = copies_of(table.letters)
+    chosen = nearest(table, poses, loop.sequence, MOST_SHAPES)
+    table, copies = table.take(chosen), copies[chosen]
     if not len(table):
         return None
     batch = deform_batch(table.steps_A, table.end_frames, poses.position_A, poses.rotation)
     there = batch.converged
-    table, nodes_A, energies = table.take(there), batch.nodes[there], batch.energy[there]
+    table, copies = table.take(there), copies[there]
+    nodes_A, energies = batch.nodes[there], batch.energy[there]
     if not len(table):
         return None
     near = np.zeros(len(table))
     if atoms_A is not None:
         near = atoms_per_point(poses.to_file(smooth_lines(nodes_A)), atoms_A)
-    distances = sequence_distance(table.letters, letters_of(hairpin.sequence))
-    # of those that are left out none is a copy
-    weights = weigh(energies, distances, copies_of(table.letters), near, len(hairpin))
+    distances = sequence_distance(table.letters, letters_of(loop.sequence))
+    weights = weigh(energies, distances, copies, near, len(loop))
     return Known(
-        hairpin,
+        loop,
         poses,
         table,
         Weighted(nodes_A[:, 1:-1], weights),
         energies,
-        table.same_loop(hairpin.sequence) & (table.is_dna == hairpin.is_dna),
-        None if hairpin.is_dna else motif_of(hairpin.sequence),
+        table.same_loop(loop.sequence) & (table.is_dna == loop.is_dna),
+        None if loop.is_dna else motif_of(loop.sequence),
     )
 
 

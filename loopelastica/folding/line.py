@@ -4,12 +4,11 @@
 
 A line is a rod of least energy under a soft repulsion of everything that is there (proteins and
 ligands too) and of itself. Elastic energy and that of contact are kept apart; their sum orders.
-Where a user names a template the line is that strand, deformed (:mod:`.template`).
+Lines that have the shape of other strands are in :mod:`.shape_line`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -18,13 +17,10 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record, read_only
 from loopelastica.errors import StructureError
-from loopelastica.folding.like import MOST
 from loopelastica.folding.surroundings import SURROUNDED, rods_among
-from loopelastica.folding.template import Deformed, deformed
 from loopelastica.molecule.obstacles import obstacles
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
-from loopelastica.molecule.strand_ends import StrandEnds, flank_poses
-from loopelastica.molecule.templates import Template
+from loopelastica.molecule.strand_ends import StrandEnds
 from loopelastica.molecule.trace import loop_arc_positions
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.solve import solve
@@ -62,9 +58,14 @@ class StrandLine(Record):
     nearest_atom: str
 
     @property
+    def energy(self) -> float:
+        """Elastic energy E·L/K0, dimensionless."""
+        return self.rod.energy
+
+    @property
     def energy_per_A(self) -> float:
         """Elastic energy over the bending rigidity, E/K0, in 1/Å."""
-        return self.rod.energy / self.ends.length_A
+        return self.energy / self.ends.length_A
 
     @property
     def contact_energy_per_A(self) -> float:
@@ -91,99 +92,6 @@ class StrandLine(Record):
             f"<StrandLine {self.rank}: E/K0 {self.energy_per_A:.3g} 1/Å, contact"
             f" {self.contact_energy_per_A:.3g} 1/Å>"
         )
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LikeLine(Record):
-    """A template between the two ends of a strand, in place of a rod.
-
-    Attributes
-    ----------
-    rank : int
-        From 1.
-    deformed : Deformed
-        The template and its chain.
-    nearest_A : float or None
-        Distance of the nearest atom from the line; None where there is none.
-    nearest_atom : str
-        That atom, such as "A.G12 C5'"; "" where there is none.
-    """
-
-    rank: int
-    deformed: Deformed
-    nearest_A: float | None
-    nearest_atom: str
-
-    @property
-    def shape(self) -> str:
-        """What it is, such as "like 1zih A.4-A.9"."""
-        return self.deformed.shape
-
-    @property
-    def trace(self) -> Array:
-        """Its node for each nucleotide (n, 3) in the coordinates of the file, Å."""
-        return read_only(self.deformed.line.trace)
-
-    @property
-    def energy_per_A(self) -> float:
-        """Energy of the deformation over the bending rigidity, E/K0, in 1/Å."""
-        return self.deformed.line.energy / self.deformed.line.length_A
-
-    @property
-    def contact_energy_per_A(self) -> None:
-        """None: its surroundings do not bend it."""
-
-    @property
-    def stable(self) -> bool | None:
-        """Whether it is a local minimum of the energy."""
-        return self.deformed.line.stable
-
-    @property
-    def residual(self) -> float:
-        """Error of the solution, by an evaluation that the solver did not use."""
-        return self.deformed.line.residual
-
-    def __repr__(self) -> str:
-        return f"<LikeLine {self.rank}: {self.shape}, E/K0 {self.energy_per_A:.3g} 1/Å>"
-
-
-def like_lines(
-    gap: Gap, ends: StrandEnds, atoms: HeavyAtoms, templates: Sequence[Template]
-) -> tuple[LikeLine, ...]:
-    """Templates of a strand deformed onto its ends, the most similar first.
-
-    Parameters
-    ----------
-    gap : Gap
-        What they stand for.
-    ends : StrandEnds
-        The ends of a rod in their place.
-    atoms : HeavyAtoms
-        All of the model.
-    templates : sequence of Template
-        Of as many nucleotides.
-
-    Returns
-    -------
-    tuple of LikeLine
-        The first few; none that cannot be deformed so far.
-    """
-    if not templates:
-        return ()
-    from scipy.spatial import cKDTree
-
-    found = deformed(templates, flank_poses(gap.before, gap.after), gap.context, ends.is_dna)
-    rows = obstacles(gap, ends, atoms)
-    tree = cKDTree(atoms.positions_A[rows]) if len(rows) else None
-    lines = []
-    for rank, one in enumerate(found[:MOST], start=1):
-        nearest_A, nearest = None, ""
-        if tree is not None:
-            apart, which = tree.query(one.line.sampled()[0])
-            nearest_A = float(apart.min())
-            nearest = atoms.label(rows[which[apart.argmin()]])
-        lines.append(LikeLine(rank, one, nearest_A, nearest))
-    return tuple(lines)
 
 
 def strand_lines(

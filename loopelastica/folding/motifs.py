@@ -161,9 +161,10 @@ def typical_spread_A(n: int) -> float:
 def errors_of(kind: str) -> Errors:
     """How far answers of a kind are off, such as "mean", "motif GNRA", "same sequence" or "rod"."""
     table = _content()["errors"]
-    # a motif that is too rare to be judged alone errs as all of them
-    like = "motif" if kind.startswith("motif ") else "rod" if kind.startswith("rod ") else "mean"
-    row = table.get(kind) or table[like]
+    # a motif that is too rare to be judged for itself errs as all of them
+    base = "motif" if kind.startswith("motif ") else "rod" if kind.startswith("rod ") else "mean"
+    alone = [f"{'rod' if base == 'rod' else 'mean'} alone"] if kind.endswith(" alone") else []
+    row = next(table[name] for name in (kind, *alone, base) if name in table)
     return Errors(np.array(row["b"]), {c: np.array(q) for c, q in row["quantiles"].items()})
 
 

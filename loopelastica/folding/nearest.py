@@ -22,6 +22,8 @@ from loopelastica._arrays import Array
 from loopelastica.folding.shape_table import Mask, ShapeTable
 from loopelastica.molecule.ends import ClosingPoses
 
+MOST_SAME: Final = 200
+"""Shapes of the same loop sequence that are taken on top."""
 CHUNK: Final = 20_000
 """Shapes that are estimated at a time, for memory."""
 
@@ -36,7 +38,7 @@ def nearest(
     most: int = 1000,
     without: Mask | None = None,
 ) -> NDArray[np.int64]:
-    """The shapes that probably cost least on a stem, and all of the same loop sequence.
+    """The shapes that probably cost least on a stem, and those of the same loop sequence.
 
     Parameters
     ----------
@@ -47,7 +49,8 @@ def nearest(
     sequence : str
         Of the loop, with its closing pair; T is U.
     most : int
-        How many by the estimate; shapes of the same loop sequence come on top of it.
+        How many by the estimate; `MOST_SAME` of the same loop sequence come on
+        top of it.
     without : (k,) array of bool, optional
         Shapes that are not asked for, such as relatives.
 
@@ -61,8 +64,10 @@ def nearest(
     if len(asked) <= most:
         return asked
     energy = estimated_energy(table.take(asked), poses.position_A, poses.rotation)
-    least = asked[np.argsort(energy, kind="stable")[:most]]
-    return np.union1d(least, np.flatnonzero(allowed & table.same_loop(sequence)))
+    order = np.argsort(energy, kind="stable")
+    # of a loop that many entries have, some hundreds tell what all do
+    same = table.same_loop(sequence)[asked[order]]
+    return np.union1d(asked[order[:most]], asked[order[same][:MOST_SAME]])
 
 
 def estimated_energy(table: ShapeTable, position_A: Array, rotation: Array) -> Array:

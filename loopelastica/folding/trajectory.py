@@ -96,9 +96,9 @@ class LoopElastica(AnalysisBase):  # type: ignore[misc]
         self._options = FoldOptions(**options, max_candidates=1)
         structure = read_structure(atoms)
         self._nucleotides = structure.nucleotides
-        self._scene = scene_of(structure, self._options)
         self._all_atoms = atoms.universe.atoms
         self.hairpins = find_hairpins(structure, **self._options.selection)
+        self._scene = scene_of(structure, self.hairpins, self._options)
         super().__init__(atoms.universe.trajectory)
 
     def _prepare(self) -> None:

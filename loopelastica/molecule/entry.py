@@ -12,7 +12,7 @@ file is its text and gemmi's reading of it; MDAnalysis is asked only for what co
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -45,6 +45,8 @@ class Entry:
         What gemmi reads from it.
     document : gemmi.cif.Document or None
         The parsed mmCIF; None for a PDB file.
+    loaded_from : path or None
+        What a Universe or an AtomGroup was loaded from, where that was a file.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Entry:
     text: str = field(repr=False)
     structure: Any = field(repr=False)
     document: Any = field(default=None, repr=False)
+    loaded_from: str | os.PathLike[str] | None = None
 
     @property
     def where(self) -> str:
@@ -111,8 +114,11 @@ def read_entry(source: Any, limits: Limits | None = None) -> Entry:
         kind, text = text_of(source)
         path = Path("universe")
         if kind == "pdb":
-            return _pdb(path, text, limits, None)
-        return _mmcif(path, text.encode(), limits, None)
+            entry = _pdb(path, text, limits, None)
+        else:
+            entry = _mmcif(path, text.encode(), limits, None)
+        file = getattr(source.universe, "filename", None)
+        return replace(entry, loaded_from=file if isinstance(file, str | os.PathLike) else None)
     raise ValueError(
         f"`source` is neither a path nor a Universe nor an AtomGroup but {type(source).__name__}"
     )

@@ -280,3 +280,18 @@ def test_a_further_file_that_the_result_depends_on_is_part_of_the_key(tmp_path):
     before = task.key
     beside.write_text("two")
     assert task.key != before
+
+
+def test_a_folder_that_the_result_depends_on_is_part_of_the_key_with_what_is_in_it(tmp_path):
+    source, folder = tmp_path / "a.pdb", tmp_path / "loops"
+    source.write_text("one")
+    (folder / "deep").mkdir(parents=True)
+    (task,) = tasks_of([source], OPTIONS, tmp_path, [str(folder)])
+    keys = [task.key, task.key]
+    for name, text in (("deep/b.pdb", "one"), ("deep/b.pdb", "other"), ("c.cif", "one")):
+        (folder / name).write_text(text)
+        keys.append(task.key)
+    assert keys[0] == keys[1]
+    assert len(set(keys)) == 4
+    (folder / "notes.txt").write_text("no structure")
+    assert task.key == keys[-1]

@@ -432,3 +432,64 @@ def test_a_template_that_has_changed_is_other_work(tmp_path, out, eighth):
     changed = run(*files, "--like", eighth, "-o", out)
     assert "2 files (0 were done before)" in changed.stdout
     assert (out / "a" / "filled.pdb").read_bytes() != before
+
+
+@pytest.fixture
+def library(tmp_path):
+    """A library of one loop: that of the eighth model of 2KOC."""
+    folder = tmp_path / "structures"
+    gapped.pdb(folder / "1abc.pdb", gapped.chain(model=8))
+    return folder
+
+
+def test_a_strand_with_a_shape_of_a_library_says_so_in_the_record_and_on_the_screen(
+    tmp_path, out, library
+):
+    file = gapped.gapped(tmp_path / "a.pdb", {6, 7, 8, 9})
+    result = run(file, "--library", library, "--candidates", 2, "-o", out)
+    assert result.exit_code == 0, result.output
+    assert "motif UNCG" in result.stdout
+    content = json.loads((out / "a" / "fill.json").read_text())
+    assert content["parameters"]["library"] == str(library)
+    (strand,) = content["strands"]
+    assert [candidate["shape"] for candidate in strand["candidates"]] == [
+        "motif UNCG, same sequence, 1 loop", "rod in its surroundings",
+    ]  # fmt: skip
+    (row,) = table(out / "summary.csv")
+    assert row["shape"] == "motif UNCG, same sequence, 1 loop"
+
+
+def test_a_library_that_has_no_such_loop_is_a_note(tmp_path, out, library):
+    file = gapped.gapped(tmp_path / "a.pdb", {6, 7})
+    result = run(file, "--library", library, "-o", out)
+    assert result.exit_code == 0, result.output
+    assert "A.6-7: the library has no other loop of 2 nucleotides" in result.stdout
+
+
+def test_a_library_that_is_none_is_one_sentence_and_nothing_is_written(tmp_path, out):
+    files = [gapped.gapped(tmp_path / f"{k}.pdb", {6, 7, 8, 9}) for k in "ab"]
+    result = run(*files, "--library", tmp_path / "nowhere.lib", "-o", out)
+    assert result.exit_code == 1
+    assert "nowhere.lib" in sentence(result)
+    assert not out.exists()
+
+
+def test_a_library_that_has_changed_is_other_work(tmp_path, out, library):
+    from loopelastica.batch.shapes import build_library
+
+    lib = tmp_path / "some.lib"
+    build_library(library, lib)
+    files = [gapped.gapped(tmp_path / f"{k}.pdb", {6, 7, 8, 9}) for k in "ab"]
+    run(*files, "--library", lib, "-o", out)
+    again = run(*files, "--library", lib, "-o", out)
+    assert "2 files (2 were done before)" in again.stdout
+    gapped.pdb(library / "2abc.pdb", gapped.chain(model=3))
+    build_library(library, lib)
+    changed = run(*files, "--library", lib, "-o", out)
+    assert "2 files (0 were done before)" in changed.stdout
+    (row, _) = table(out / "summary.csv")
+    assert row["shape"] == "motif UNCG, same sequence, 2 loops"
+    run(*files, "--library", library, "-o", out)
+    gapped.pdb(library / "3abc.pdb", gapped.chain(model=5))
+    changed = run(*files, "--library", library, "-o", out)
+    assert "2 files (0 were done before)" in changed.stdout

@@ -109,6 +109,7 @@ def test_a_universe_is_taken_in_its_current_frame(universe, koc):
     universe.trajectory[3]
     entry = read_entry(universe)
     assert (entry.name, entry.path, entry.kind, entry.n_models) == ("universe", None, "pdb", 1)
+    assert entry.loaded_from == universe.filename
     mine = np.array([a.pos.tolist() for c in entry.model(0) for r in c for a in r])
     np.testing.assert_allclose(mine, koc.positions(3), atol=6e-4)
 

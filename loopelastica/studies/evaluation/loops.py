@@ -62,7 +62,7 @@ def evaluate_file(task: Task) -> Record:
     hairpins = find_hairpins(structure)
     rows, failures = [], []
     plain = FoldOptions(**task.options | PLAIN)
-    scene = scene_of(structure, options)
+    scene = scene_of(structure, hairpins, options)
     models = list(structure.models())
     for hairpin in hairpins:
         folds = [fold_model(structure.nucleotides, hairpin, x, options, scene) for x in models]

@@ -9,6 +9,7 @@ relatives are those by sequence.
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -203,8 +204,9 @@ def _study_loop(
         return "it was refined with elastic models of hairpins itself"
     positions = structure.positions(0)
     chain = row.get("chain") or hairpin.chain or "_"
-    five, three = (label.rsplit(".", 1)[-1].lstrip("ACGTUN") for label in hairpin.closing_pair)
-    source = f"{entry} {chain}.{row.get('closing_5', five)}-{chain}.{row.get('closing_3', three)}"
+    closing = (int(rows[0]) for rows in (hairpin.stem_5, hairpin.stem_3))
+    five, three = (structure.nucleotides.number(k) for k in closing)
+    source = f"{entry} {chain}.{five}-{chain}.{three}"
     try:
         shaped = loop_shape(structure.nucleotides, hairpin, positions, source)
     except LoopelasticaError as error:
@@ -227,7 +229,7 @@ def _study_loop(
         for c in fold.candidates
     ]
     return StudyLoop(
-        FoundLoop(shape, entry, rms_A),
+        FoundLoop(shape, _databank(entry), rms_A),
         hairpin,
         poses.local,
         shape.nodes_A[1:-1],
@@ -235,6 +237,12 @@ def _study_loop(
         row.get("family", ""),
         row.get("motif", "") if row.get("motif") in MOTIFS else "",
     )
+
+
+def _databank(entry: str) -> str:
+    """The entry of the databank, for one that stands for a part of it, such as 6ha1s."""
+    found = re.match(r"[0-9][0-9a-z]{3}(?=[a-z]?$)", entry.lower())
+    return found[0] if found else entry.lower()
 
 
 def _with_families(loops: list[StudyLoop]) -> list[StudyLoop]:

@@ -18,6 +18,7 @@ from loopelastica._arrays import Array
 from loopelastica.folding.choice import distances_A
 from loopelastica.folding.known import Known, known_shapes
 from loopelastica.folding.library import Library
+from loopelastica.folding.motifs import typical_spread_A
 from loopelastica.folding.shape_table import ShapeTable
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.motifs.corpus import StudyLoop
@@ -25,6 +26,8 @@ from loopelastica.studies.motifs.corpus import StudyLoop
 STRICT: Final = "strict"
 RELATIVES: Final = "relatives out"
 ENTRY: Final = "entry out"
+ALONE: Final = ("rod", "further rod", "mean")
+"""Kinds of answers that there are without a library."""
 LEVELS: Final = (RELATIVES, STRICT, ENTRY)
 
 
@@ -55,7 +58,7 @@ def rows_of(loops: Sequence[StudyLoop], library: Library, level: str) -> Iterato
         }  # fmt: skip
         errors = distances_A(known.weighted.nodes_A, loop.native_A)
         for place, answer in enumerate(known.answers(loop.rods), start=1):
-            yield {
+            row = {
                 **about,
                 "kind": answer.kind,
                 "place": place,
@@ -65,6 +68,11 @@ def rows_of(loops: Sequence[StudyLoop], library: Library, level: str) -> Iterato
                 "least_energy_A": float(errors[np.argmin(known.energies)]),
                 "oracle_A": float(errors.min()),
             }
+            yield row
+            if answer.kind in ALONE:
+                # the same without a library that tells how far shapes lie from it
+                kind = f"{answer.kind} alone"
+                yield {**row, "kind": kind, "place": 0, "spread_A": typical_spread_A(loop.n)}
 
 
 def known_of(

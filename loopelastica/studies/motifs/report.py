@@ -107,7 +107,8 @@ def _answers(rows: Sequence[Row]) -> str:
     for level in LEVELS:
         by_loop: dict[str, list[Row]] = {}
         for row in rows:
-            if row["level"] == level:
+            # those of no place are the same answers, judged as if there were no library
+            if row["level"] == level and row["place"]:
                 by_loop.setdefault(row["source"], []).append(row)
         loops = [sorted(of, key=lambda row: row["place"]) for of in by_loop.values()]
         if not loops:
