@@ -78,7 +78,7 @@ def of_chains(koc_shape):
 
     small = dataclasses.replace(koc_shape, steps_A=0.9 * koc_shape.steps_A, source="small")
 
-    def hypotheses(hairpin, stem, ends, rods, positions, options, scene):
+    def hypotheses(hairpin, stem, ends, rods, *_):
         lines = chain_lines([koc_shape, small], stem.closing(), hairpin.is_dna)
         errors = np.array([0.5, 1.2, 2.0]), np.array([1.0, 2.0, 4.0])
         chains = [

@@ -21,7 +21,8 @@ def evaluate(
 ) -> None:
     """Compare folds and simple curves with the loops of many files; write a scoreboard.
 
-    The same command resumes a run that was stopped.
+    It says too how often expected errors hold. Shapes of loops related to the one at hand are not
+    used. The same command resumes a run that was stopped.
     """
     from loopelastica.molecule.nucleotides import Limits
     from loopelastica.studies.evaluation.scoreboard import evaluate as evaluate_folder

@@ -157,7 +157,7 @@ def covering(weighted: Weighted, covered_A: Array | None, count: int) -> list[in
     if not len(rows):
         return []
     likely = np.sqrt(weighted.weights[rows])
-    between = np.stack([distances_A(weighted.nodes_A[rows], weighted.nodes_A[row]) for row in rows])
+    between = _between(weighted.nodes_A[rows])
     nearest = np.full(len(rows), np.inf) if covered_A is None else covered_A[rows].copy()
     chosen: list[int] = []
     for _ in range(min(count, len(rows))):
@@ -167,6 +167,16 @@ def covering(weighted: Weighted, covered_A: Array | None, count: int) -> list[in
         chosen.append(best)
         nearest = np.minimum(nearest, between[best])
     return [int(rows[best]) for best in chosen]
+
+
+def _between(nodes_A: Array) -> Array:
+    """Root mean square distances (k, k) of shapes (k, n, 3) from each other."""
+    k, n = nodes_A.shape[:2]
+    # about their mean, so that squares of large numbers do not cancel
+    flat = (nodes_A - nodes_A.mean(axis=0)).reshape(k, -1)
+    square = (flat**2).sum(axis=1)
+    squares = square[:, None] + square - 2.0 * flat @ flat.T
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0) / n))
 
 
 def atoms_per_point(lines_A: Array, atoms_A: Array) -> Array:

@@ -141,7 +141,7 @@ class Known(Record):
     energies : (k,) array
         E L/K0 of their deformation.
     same : (k,) array of bool
-        Which have the same loop sequence.
+        Which have the same loop sequence, and are of the same kind.
     motif : Motif or None
         What the sequence says.
     """
@@ -197,7 +197,10 @@ class Known(Record):
         name = f"mean of {n} loops" if not name else f"{name}, {n} loop{'s' * (n > 1)}"
         sequence = self.loop.sequence.replace("T", "U")
         shape = shape_between(share.mean_A, self.poses.local, sequence, self.loop.is_dna, name)
-        line = self._line(shape)
+        (line,) = chain_lines([shape], self.poses, self.loop.is_dna)
+        if line is None:
+            # means of shapes that contradict each other can be folded up
+            line = self._line(self.table.shape(int(np.argmax(self.weighted.weights * among))))
         return replace(line, energy=float(share.weights @ self.energies[among])), kind
 
     def _covering(self, lines_A: Sequence[Array], count: int) -> list[ChainLine]:
@@ -303,7 +306,7 @@ def known_shapes(
         table,
         Weighted(nodes_A[:, 1:-1], weights),
         energies,
-        table.same_loop(loop.sequence),
+        table.same_loop(loop.sequence) & (table.is_dna == loop.is_dna),
         None if loop.is_dna else motif_of(loop.sequence),
     )
 

@@ -144,3 +144,43 @@ def test_chains_come_first_and_rods_follow(chains):
     assert first.rod is None
     assert first.rmsd_A < 1.5
     assert first.expected_rmsd_A.tolist() == [0.5, 1.2, 2.0]
+
+
+@pytest.fixture
+def absent(tmp_path, koc_lines):
+    """Fold a loop of n nucleotides that the file lacks, on the stem of 2KOC."""
+
+    def folded(n):
+        lines = []
+        for line in koc_lines:
+            number = int(line[22:26])
+            if number <= 5:
+                lines.append(line)
+            elif number >= 10:
+                lines.append(f"{line[:22]}{number + n - 4:4d}{line[26:]}")
+        path = beside(tmp_path / f"{n}.pdb", lines, [])
+        (loop,) = le.fold(path, loop=f"A.6-{n + 5}")
+        assert len(loop.hairpin) == n
+        assert loop.failure is None
+        return loop.candidates
+
+    return folded
+
+
+@pytest.mark.parametrize("n", [3, 8, 12])
+def test_a_loop_without_a_known_sequence_has_the_mean_of_its_length(absent, n):
+    first = absent(n)[0]
+    assert first.shape.startswith("mean of ")
+    assert first.rmsd_A is None
+    assert np.isfinite(first.expected_rmsd_A).all()
+
+
+def test_loops_longer_than_any_known_one_are_rods_and_less_and_less_sure(absent):
+    found = [absent(n) for n in (13, 18, 24)]
+    assert {candidate.shape for loop in found for candidate in loop} == {"straight rod"}
+    medians = [loop[0].expected_rmsd_A[1] for loop in found]
+    assert (np.diff(medians) > 0.0).all()
+    for loop in found:
+        for candidate in loop:
+            low, middle, high = candidate.expected_rmsd_A
+            assert 0.0 < low < middle < high < 200.0

@@ -7,7 +7,7 @@ import pytest
 
 import loopelastica as le
 from loopelastica.folding.clamping import clamping_of
-from loopelastica.folding.hypotheses import straight_rods
+from loopelastica.folding.hypotheses import Hypothesis, straight_rods
 from loopelastica.folding.rank import rank
 from loopelastica.molecule.clamp_rule import StemClamp
 from loopelastica.molecule.contacts import Contacts
@@ -125,3 +125,13 @@ def test_models_are_compared_by_rank_whatever_line_that_is(koc, of_chains, monke
     # the shape is the eighth model's own
     assert first.rmsd_models_A[7] < 0.2
     assert np.argmin(first.rmsd_models_A) == 7
+
+
+def test_of_what_touches_only_rods_lose_their_place(chains, monkeypatch):
+    monkeypatch.setattr("loopelastica.folding.rank.contacts", lambda *_: Contacts(1.0, 9.0))
+    chain, _, rod = chains.candidates[:3]
+    answers = [
+        Hypothesis(c.line, c.shape, c.expected_rmsd_A, place)
+        for place, c in enumerate((rod, chain))
+    ]
+    assert places(rank(answers, 10.0, NOWHERE, None), "shape") == [chain.shape, rod.shape]

@@ -111,8 +111,8 @@ def test_a_group_of_atoms_is_followed_as_the_whole(universe):
 def test_what_is_around_a_loop_counts_in_each_frame(universe, monkeypatch):
     seen = []
 
-    def rods(hairpin, stem, ends, rods, positions, options, scene):
-        seen.append(scene.others)
+    def rods(hairpin, stem, ends, rods, *more):
+        seen.append(more[-1].others)
         return straight_rods(hairpin, rods, ends)
 
     monkeypatch.setattr("loopelastica.folding.fold.hypotheses", rods)

@@ -98,7 +98,7 @@ def _expected(axes: Any, rows: list[dict[str, Any]]) -> None:
     axes.vlines(middle, low, high, color="0.8", lw=1.0, zorder=1, label="80 % interval")
     inside = np.array([row["inside"] for row in rows], dtype=bool)
     for of, color, label in ((inside, "C0", "inside"), (~inside, "C3", "outside")):
-        label = f"{label} ({of.sum()} loops)"
+        label = f"{label}: {of.sum()}"
         axes.plot(middle[of], error[of], ".", color=color, ms=4, alpha=0.7, label=label)
     limits = min(middle.min(), error.min(), low.min()), max(error.max(), high.max())
     axes.plot(limits, limits, color="0.3", lw=0.8, zorder=1)
