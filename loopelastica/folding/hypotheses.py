@@ -56,7 +56,7 @@ class Hypothesis(Record):
     line : RodLine or ChainLine
         Between the ends of the stem.
     shape : str
-        What it is, such as "motif GNRA, 134 loops" or "straight rod".
+        What it is, such as "motif GNRA, 130 loops" or "straight rod".
     expected_rmsd_A : (3,) array
         10, 50 and 90 % of its error, Å.
     place : int

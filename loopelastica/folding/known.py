@@ -78,7 +78,7 @@ class Answer(Record):
 
     @property
     def shape(self) -> str:
-        """What its line is, such as "motif GNRA, 134 loops"; "" for a rod."""
+        """What its line is, such as "motif GNRA, 130 loops"; "" for a rod."""
         if self.line is None:
             return ""
         shape = self.line.shape

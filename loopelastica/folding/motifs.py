@@ -130,7 +130,7 @@ def motif_of(sequence: str) -> Motif | None:
     """The motif of an RNA loop, by its sequence from closing to closing nucleotide.
 
     >>> motif_of("CGAAAG"), motif_of("CAAAAG")
-    (<Motif GNRA: 134 loops>, None)
+    (<Motif GNRA: 130 loops>, None)
     """
     codes = np.frombuffer(sequence.upper().replace("T", "U").encode("ascii", "replace"), np.uint8)
     return next((motif for motif in motifs() if motif.matches(codes[None])[0]), None)

@@ -45,7 +45,7 @@ class ShapeLine(Record):
     chain : ChainLine
         It, in the coordinates of the file.
     shape : str
-        What it is, such as "like 1zih A.4-A.9" or "motif GNRA, 134 loops".
+        What it is, such as "like 1zih A.4-A.9" or "motif GNRA, 130 loops".
     expected_rmsd_A : (3,) array
         10, 50 and 90 % of its error, Å.
     carried : tuple of Monomer
