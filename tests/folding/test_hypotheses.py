@@ -7,6 +7,7 @@ import loopelastica as le
 from loopelastica._files import data_path
 from loopelastica.folding.hypotheses import straight_rods
 from loopelastica.folding.lines import ChainLine
+from loopelastica.molecule.identity import entry_of
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
 LIGAND = "HETATM 9{n:03d}  C{n:<3d}LIG B   1    {x:8.3f}{y:8.3f}{z:8.3f}  1.00  0.00           C"
@@ -94,13 +95,22 @@ def test_the_loops_own_coordinates_change_no_answer(tmp_path, koc_lines, fold):
         for line in koc_lines
     ]  # fmt: skip
     there, here = (
-        le.fold(beside(tmp_path / f"{k}.pdb", lines, []))[0].candidates
+        le.fold(beside(tmp_path / f"2koc_{k}.pdb", lines, []))[0].candidates
         for k, lines in enumerate((moved, koc_lines))
     )
     for one, other in zip(there, here, strict=True):
         assert one.shape == other.shape
         np.testing.assert_array_equal(one.trace, other.trace)
         np.testing.assert_array_equal(one.expected_rmsd_A, other.expected_rmsd_A)
+
+
+def test_a_loop_is_not_answered_with_itself_under_another_name(tmp_path, koc_lines):
+    known = le.fold(beside(tmp_path / "2koc_model.pdb", koc_lines, []), all_models=False)[0]
+    renamed = le.fold(beside(tmp_path / "model.pdb", koc_lines, []), all_models=False)[0]
+    assert entry_of(tmp_path / "model.pdb") == "model"
+    for one, other in zip(known.candidates, renamed.candidates, strict=True):
+        assert one.shape == other.shape
+        np.testing.assert_array_equal(one.trace, other.trace)
 
 
 def test_rods_alone_are_folded_on_request():

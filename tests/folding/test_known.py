@@ -13,6 +13,7 @@ from loopelastica._files import data_path
 from loopelastica.folding.known import FIRST, known_shapes, library_at, usable_shapes
 from loopelastica.folding.library import Library
 from loopelastica.folding.library_file import save_library
+from loopelastica.folding.motifs import typical_spread_A
 from loopelastica.molecule.ends import fit_stem
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.trace import rmsd_A
@@ -164,7 +165,8 @@ def test_dna_of_a_known_sequence_has_its_mean_second(koc, hairpin, poses):
 
 def test_few_shapes_are_few_answers(hairpin, poses):
     known = known_shapes(hairpin, poses, Library.of(different(1)).of_length(4))
-    assert [one.kind for one in known.answers([])] == ["mean", "library"]
+    # it is its own mean, and no second answer
+    assert [one.kind for one in known.answers([])] == ["library"]
     assert known_shapes(hairpin, poses, Library.of([]).of_length(4)) is None
 
 
@@ -191,7 +193,15 @@ def test_an_answer_far_from_all_shapes_is_less_sure(hairpin, poses):
     first = known.answers([])[0].trace_A
     assert known.spread_A(first) < known.spread_A(first + [3.0, 0.0, 0.0])
     gaps = [rmsd_A(poses.to_file(nodes), first) for nodes in known.weighted.nodes_A]
-    assert known.spread_A(first) == pytest.approx(known.weighted.weights @ gaps)
+    sequences = len(np.unique(known.table.letters[:, 1:-1], axis=0))
+    squares = sequences * (known.weighted.weights @ gaps) ** 2 + 3 * typical_spread_A(4) ** 2
+    assert known.spread_A(first) == pytest.approx(np.sqrt(squares / (sequences + 3)))
+
+
+def test_of_few_shapes_nobody_is_sure(hairpin, poses):
+    known = known_shapes(hairpin, poses, Library.of(different(1)).of_length(4))
+    (only,) = known.answers([])
+    assert known.spread_A(only.trace_A) > 0.8 * typical_spread_A(4)
 
 
 def test_atoms_in_its_way_make_a_shape_lighter(hairpin, poses):
