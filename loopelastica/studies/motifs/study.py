@@ -75,7 +75,9 @@ def run(folder: Path, out: Path, progress: bool = False) -> Done:
     out.mkdir(parents=True, exist_ok=True)
     save_library(library, out / "loops.lib")
     write_json(out / "motifs.json", content)
-    write_csv(out / "answers.csv", ({c: row.get(c) for c in COLUMNS} for row in rows), COLUMNS)
+    # those of no place are the same answers again, for the errors where there is no library
+    answers = ({c: row.get(c) for c in COLUMNS} for row in rows if row["place"])
+    write_csv(out / "answers.csv", answers, COLUMNS)
     write_text(out / "motifs.md", "\n".join([tables, counts, "", *sentences, ""]))
     return Done(tables, failures)
 
