@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
+from loopelastica.folding.shape_table import rms_A
 
 ENERGY: Final = (2.73, -0.48)
 SEQUENCE: Final = (1.0, -0.13)
@@ -67,12 +68,7 @@ class Weighted(Record):
 
     def distance_A(self, trace_A: Array) -> float:
         """Expected root mean square distance of a trace (n, 3) from the shapes, Å."""
-        return float(self.weights @ distances_A(self.nodes_A, trace_A))
-
-
-def distances_A(nodes_A: Array, trace_A: Array) -> Array:
-    """Root mean square distances (k,) of shapes (k, n, 3) from a trace (n, 3), Å."""
-    return np.asarray(np.sqrt(((nodes_A - trace_A) ** 2).sum(axis=-1).mean(axis=-1)))
+        return float(self.weights @ rms_A(self.nodes_A, trace_A))
 
 
 def sequence_distance(codes: NDArray[np.uint8], own: NDArray[np.uint8]) -> Array:

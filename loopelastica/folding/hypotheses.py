@@ -27,7 +27,7 @@ from loopelastica.folding.known import (
 )
 from loopelastica.folding.library import Library
 from loopelastica.folding.like import MOST, loop_templates
-from loopelastica.folding.lines import CandidateLine, RodLine, chain_lines
+from loopelastica.folding.lines import POINTS_PER_NUCLEOTIDE, CandidateLine, RodLine, chain_lines
 from loopelastica.folding.motifs import Motif, errors_of, motif_of, of_length, typical_spread_A
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.surroundings import SURROUNDED, rods_among
@@ -44,7 +44,6 @@ from loopelastica.molecule.trace import rmsd_A
 from loopelastica.rod.equilibrium import Equilibrium
 
 STRAIGHT: Final = "straight rod"
-_POINTS: Final = 10
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -306,7 +305,7 @@ def _in_the_way(hairpin: Hairpin, free: RodLine, positions: Array, scene: Scene)
     """What the line of a loop may run into; None where nothing but its own hairpin is near."""
     if scene.others is None:
         return None
-    line_A = free.points(_POINTS * free.ends.n_free + 1)
+    line_A = free.points(POINTS_PER_NUCLEOTIDE * free.ends.n_free + 1)
     return scene.others.around(hairpin, free.ends, line_A, positions)
 
 

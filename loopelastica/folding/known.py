@@ -24,7 +24,6 @@ from loopelastica.folding.choice import (
     Weighted,
     atoms_per_point,
     covering,
-    distances_A,
     sequence_distance,
     smooth_lines,
     weigh,
@@ -35,7 +34,8 @@ from loopelastica.folding.library_file import load_library
 from loopelastica.folding.lines import ChainLine, chain_lines
 from loopelastica.folding.motifs import Motif, motif_of, typical_spread_A
 from loopelastica.folding.nearest import nearest
-from loopelastica.folding.shape_table import ShapeTable, copies_of, letters_of
+from loopelastica.folding.shape_table import ShapeTable, copies_of, letters_of, rms_A
+from loopelastica.folding.surroundings import SURROUNDED
 from loopelastica.molecule.ends import ClosingPoses
 from loopelastica.molecule.shapes import LoopShape, shape_between
 from loopelastica.rod.chain import deform_batch
@@ -124,8 +124,7 @@ def rod_answers(
         for k, x in enumerate(straight)
     ]
     among = [
-        Answer("rod in its surroundings", x.trace, x.energy, rod=k)
-        for k, x in enumerate(bent, start=len(rods))
+        Answer(SURROUNDED, x.trace, x.energy, rod=k) for k, x in enumerate(bent, start=len(rods))
     ]
     return rods, among
 
@@ -149,6 +148,8 @@ class Known(Record):
         Which have the same loop sequence, and are of the same kind.
     motif : Motif or None
         What the sequence says.
+    sequences : int
+        How many loop sequences the table has.
     """
 
     loop: Loop
@@ -158,6 +159,7 @@ class Known(Record):
     energies: Array
     same: NDArray[np.bool_]
     motif: Motif | None
+    sequences: int
 
     def __repr__(self) -> str:
         return f"<Known: {len(self.table)} shapes for {self.loop.sequence}>"
@@ -211,7 +213,7 @@ class Known(Record):
         return replace(line, energy=float(share.weights @ self.energies[among])), kind
 
     def _covering(self, lines_A: Sequence[Array], count: int) -> list[ChainLine]:
-        covered = [distances_A(self.weighted.nodes_A, self._local(x)) for x in lines_A]
+        covered = [rms_A(self.weighted.nodes_A, self._local(x)) for x in lines_A]
         nearest_A = np.min(covered, axis=0) if covered else None
         rows = covering(self.weighted, nearest_A, count)
         return [self._line(self.table.shape(row)) for row in rows]
@@ -222,7 +224,7 @@ class Known(Record):
         Few shapes know little: `DOUBT` sequences as far apart as is usual are added to them.
         """
         n, own = len(self.loop), self.weighted.distance_A(self._local(trace_A))
-        k = len(np.unique(self.table.letters[:, 1:-1], axis=0))
+        k = self.sequences
         return math.sqrt((k * own**2 + DOUBT * typical_spread_A(n) ** 2) / (k + DOUBT))
 
     def _basis(self) -> tuple[NDArray[np.bool_], str, str]:
@@ -328,6 +330,7 @@ def known_shapes(
         energies,
         table.same_loop(loop.sequence) & (table.is_dna == loop.is_dna),
         None if loop.is_dna else motif_of(loop.sequence),
+        len(np.unique(table.letters[:, 1:-1], axis=0)),
     )
 
 

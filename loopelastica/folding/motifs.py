@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record, read_only
 from loopelastica._files import data_path
+from loopelastica.folding.shape_table import letters_of
 from loopelastica.molecule.shapes import LoopShape
 
 SHIFT_A: Final = 0.05
@@ -132,7 +133,7 @@ def motif_of(sequence: str) -> Motif | None:
     >>> motif_of("CGAAAG"), motif_of("CAAAAG")
     (<Motif GNRA: 130 loops>, None)
     """
-    codes = np.frombuffer(sequence.upper().replace("T", "U").encode("ascii", "replace"), np.uint8)
+    codes = letters_of(sequence)
     return next((motif for motif in motifs() if motif.matches(codes[None])[0]), None)
 
 

@@ -9,12 +9,11 @@ from loopelastica.folding.choice import (
     Weighted,
     atoms_per_point,
     covering,
-    distances_A,
     sequence_distance,
     smooth_lines,
     weigh,
 )
-from loopelastica.folding.shape_table import letters_of
+from loopelastica.folding.shape_table import letters_of, rms_A
 
 
 @pytest.fixture
@@ -113,7 +112,7 @@ def test_some_of_the_shapes_share_all_the_weight(shapes):
 def test_the_first_shape_covers_most_and_each_further_one_what_is_left(shapes):
     """Against all that could be taken, one after the other."""
     likely = np.sqrt(shapes.weights)
-    gaps = np.array([distances_A(shapes.nodes_A, one) for one in shapes.nodes_A])
+    gaps = np.array([rms_A(shapes.nodes_A, one) for one in shapes.nodes_A])
     chosen = covering(shapes, None, 4)
     for k in range(4):
         left = [np.min(gaps[[*chosen[:k], j]], axis=0) @ likely for j in range(12)]
@@ -124,7 +123,7 @@ def test_the_first_shape_covers_most_and_each_further_one_what_is_left(shapes):
 
 
 def test_what_is_covered_already_is_not_covered_again(shapes):
-    covered = distances_A(shapes.nodes_A, shapes.nodes_A[:4].mean(axis=0))
+    covered = rms_A(shapes.nodes_A, shapes.nodes_A[:4].mean(axis=0))
     assert {row // 4 for row in covering(shapes, covered, 2)} == {1, 2}
 
 

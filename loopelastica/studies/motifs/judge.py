@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
-from loopelastica.folding.choice import distances_A
 from loopelastica.folding.known import Known, known_shapes
 from loopelastica.folding.library import Library
 from loopelastica.folding.motifs import typical_spread_A
-from loopelastica.folding.shape_table import ShapeTable
+from loopelastica.folding.shape_table import ShapeTable, rms_A
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.motifs.corpus import StudyLoop
 
@@ -56,7 +55,7 @@ def rows_of(loops: Sequence[StudyLoop], library: Library, level: str) -> Iterato
             "source": loop.found.shape.source, "loop": loop.loop, "family": loop.family,
             "acid": loop.hairpin.kind, "motif": loop.motif, "n": loop.n, "level": level,
         }  # fmt: skip
-        errors = distances_A(known.weighted.nodes_A, loop.native_A)
+        errors = rms_A(known.weighted.nodes_A, loop.native_A)
         for place, answer in enumerate(known.answers(loop.rods), start=1):
             row = {
                 **about,
