@@ -5,7 +5,6 @@ follows the gradient flow of its energy with both ends clamped (``kernels.descen
 ends; multiple shooting refines what it comes to.
 """
 
-import functools
 import math
 from typing import Any
 
@@ -13,14 +12,13 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica._checks import instance
+from loopelastica.rod._discrete import discrete_copy, segments
 from loopelastica.rod._starts import TOLERANCE, check_tolerance, problem_of
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.descent import descend, displace, unstable_modes
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod
-from loopelastica.rod.kernels.discrete_starts import graded_nodes
 from loopelastica.rod.kernels.records import (
     LAYERS,
-    SEGMENTS,
     Method,
     Nodes,
     Problem,
@@ -28,14 +26,13 @@ from loopelastica.rod.kernels.records import (
     Status,
 )
 from loopelastica.rod.kernels.refinement import refine_discrete_rod
-from loopelastica.rod.kernels.shooting import moment_bound
 from loopelastica.rod.morse import homotopy_class
 from loopelastica.rod.stability import morse_index
 
 # first turn of the frames along a mode, and their largest turn in a step of the flow (radian)
 _FIRST, _REACH = 0.05, 0.25
-# most that a frame may turn from one segment to the next, and most segments
-_HINGE, _MOST = 0.7, 512
+# most that a frame turns from one segment to the next
+_HINGE = 0.7
 # what the energy of a discrete rod is off by: relative, and in K0/L
 _MARGIN = 0.05
 
@@ -87,7 +84,8 @@ def ways_down(
     if index == 0:
         return []
     problem = problem_of(rod.clamping, rod.torsion_ratio, tolerance)
-    copy, force = discrete_copy(rod), rod.loads[:3].copy()
+    copy = discrete_copy(rod, segments(rod, _HINGE))
+    force = rod.loads[:3].copy()
     modes = np.empty((index, len(copy.frames) - (1 if problem.free_spin else 2), 3))
     shift = float(unstable_modes(problem, _ratio(problem), copy, force, modes))
     found = []
@@ -160,27 +158,6 @@ def refined(
         rod.clamping, rod.torsion_ratio, solution.loads, float(outcome.energy),
         float(outcome.residual), Status.CONVERGED, method, **record,
     )  # fmt: skip
-
-
-def discrete_copy(rod: Equilibrium) -> DiscreteRod:
-    """The discrete rod with an equilibrium's frames, on hinges that are dense where it bends."""
-    turning = max(float(moment_bound(rod.loads.copy())), abs(math.tau * rod.twist))
-    n = SEGMENTS
-    while n < _MOST and turning > _HINGE * n:
-        n *= 2
-    root = math.ceil(math.sqrt(float(np.linalg.norm(rod.loads[:3]))))
-    s = _hinges(min(root, 200), n)
-    frames: Array = np.empty((n + 2, 4))
-    frames[0] = (1.0, 0.0, 0.0, 0.0)
-    frames[1:] = rod.poses(np.append(0.5 * (s[1:] + s[:-1]), 1.0))[:, 3:]
-    return DiscreteRod(s, frames)
-
-
-@functools.lru_cache(maxsize=512)
-def _hinges(root: int, n: int) -> Array:
-    s = np.empty(n + 1)
-    graded_nodes(float(root), s)
-    return s
 
 
 def _ratio(problem: Problem) -> float:
