@@ -56,6 +56,8 @@ class Tour(NamedTuple):
     axis: Array
     """ω (3,), of length 1."""
     about_tangent: bool
+    shift: Array
+    """What the position moves by per unit of t, (3,); then the end is not turned, and t goes to 1."""
     energy_max: float
     """Where a curve is left."""
     most: int
@@ -65,24 +67,32 @@ class Tour(NamedTuple):
 
 
 @kernel
-def _clamp_at(problem, axis, t, q):
-    r = problem.quaternion
+def _clamp_at(problem, tour, t, path):
+    """The clamp at ``t`` into the position and the quaternion of ``path``."""
+    axis, r, q = tour.axis, problem.quaternion, path.quaternion
     w, x, y, z = exponential(t * axis[0], t * axis[1], t * axis[2])
     q[0], q[1], q[2], q[3] = product(r[0], r[1], r[2], r[3], w, x, y, z)
+    for c in range(3):
+        path.position[c] = problem.position[c] + t * tour.shift[c]
+
+
+@kernel
+def _shifted(tour):
+    """Whether the end is shifted, not turned."""
+    return tour.shift[0] != 0.0 or tour.shift[1] != 0.0 or tour.shift[2] != 0.0
 
 
 @kernel
 def _evaluate(problem, path, tour, u, shot, e, jacobian, by_t):
     """Error and derivatives at ``u`` (7,); returns the work."""
     work = shoot_middle(u, path.torsion_ratio, DENSITY, WITH_JACOBIAN, shot)
-    q = path.quaternion
-    _clamp_at(problem, tour.axis, u[6] + _H, q)
+    _clamp_at(problem, tour, u[6] + _H, path)
     end_error(path, shot.y, u[5], by_t, jacobian, False)
-    _clamp_at(problem, tour.axis, u[6] - _H, q)
+    _clamp_at(problem, tour, u[6] - _H, path)
     end_error(path, shot.y, u[5], e, jacobian, False)
     for c in range(6):
         by_t[c] = (by_t[c] - e[c]) / (2.0 * _H)
-    _clamp_at(problem, tour.axis, u[6], q)
+    _clamp_at(problem, tour, u[6], path)
     end_error(path, shot.y, u[5], e, jacobian, True)
     return work
 
@@ -94,7 +104,7 @@ def _event(problem, tour, u):
         if problem.free_spin:
             return u[5]
         return (u[6] + u[5] * (1.0 / problem.torsion_ratio - 1.0)) / (2.0 * math.pi)
-    return u[6] / (2.0 * math.pi)
+    return u[6] if _shifted(tour) else u[6] / (2.0 * math.pi)
 
 
 @kernel
@@ -135,7 +145,7 @@ def follow(problem, tour, start, sign, met, counts):
     ratio = 1.0 if tour.about_tangent else problem.torsion_ratio
     free = problem.free_spin and not tour.about_tangent
     path = Problem(
-        problem.position, np.empty(4), problem.shortening, ratio, free, problem.tolerance
+        np.empty(3), np.empty(4), problem.shortening, ratio, free, problem.tolerance
     )
     for c in range(6):
         u[c] = start[c]
@@ -236,7 +246,7 @@ def follow(problem, tour, start, sign, met, counts):
             ds = min(1.6 * ds, tour.longest)
         elif iterations > _MANY:
             ds *= 0.6
-        if closed:
+        if closed or (_shifted(tour) and not 0.0 <= u[6] < 1.0):
             counts[2] = CLOSED
             break
         if energy_of(u, ratio, work) > tour.energy_max:
@@ -288,3 +298,22 @@ def visit(problem, tour, energy_max, catch, walked, most, ended):
             if counts[2] == CLOSED:
                 break
     return left
+
+
+@kernel
+def pull(problem, tour, energy_max, catch, goal, caught, ended):
+    """From the rods of a ``catch`` to those of a clamping that is shifted against theirs.
+
+    ``goal`` is the problem there, ``caught`` its catch; ``ended`` (4,) counts as for `visit`.
+    """
+    shot, met, counts, g = new_shot(), np.empty((8, 6)), np.zeros(3, np.int64), np.empty(6)
+    for i in range(catch.count[0]):
+        if catch.energies[i] > energy_max:
+            continue
+        n = follow(problem, tour, catch.loads[i], 1.0, met, counts)
+        ended[counts[2]] += 1
+        for k in range(n):
+            for c in range(6):
+                g[c] = met[k, c]
+            if find(g, caught, _MET) < 0:
+                arrive(goal, g, _PATIENCE, caught, shot)
