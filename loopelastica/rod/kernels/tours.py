@@ -9,9 +9,9 @@ need not be. Curves are followed by pseudo-arclength in the loads and t, through
 ``arclength``, which confirms every point; here only where a curve leads matters, so that one coarse
 shot from the middle will do, ``middle``). What they meet is entered as a start for Newton's method.
 
-K30 never changes the center line of given loads. A turn about the tangent (ω = d3) is therefore
-followed at K30 = 1, and what has to come back is t + M3 (1/K30 − 1); with a free end spin it is
-M3 = 0.
+K30 never changes the center line of given loads at the start. A turn about the tangent (ω = d3) is
+therefore followed at K30 = 1, and what has to come back is t + M3 (1/K30 − 1); with a free end spin
+it is M3 = 0. The middle's frame then lacks half of the extra spin, ½ M3 (1/K30 − 1).
 """
 
 import math
@@ -118,6 +118,15 @@ def _own_spin(problem, g, shot):
 
 
 @kernel
+def _turned(g, angle):
+    """Turn loads in the middle about d3, in place."""
+    c, s = math.cos(angle), math.sin(angle)
+    for o in (0, 3):
+        x, y = g[o], g[o + 1]
+        g[o], g[o + 1] = c * x - s * y, s * x + c * y
+
+
+@kernel
 def follow(problem, tour, start, sign, met, counts):
     """Follow the curve through a rod one way, until it closes or leaves the energies of interest.
 
@@ -149,12 +158,14 @@ def follow(problem, tour, start, sign, met, counts):
     )
     for c in range(6):
         u[c] = start[c]
-    u[6] = 0.0
+    u[6], excess = 0.0, 0.0
     if tour.about_tangent:
         if problem.free_spin:
             u[6] = _own_spin(problem, start, shot)
         else:
-            u[6] = -start[5] * (1.0 / problem.torsion_ratio - 1.0)
+            excess = 1.0 / problem.torsion_ratio - 1.0
+            u[6] = -excess * start[5]
+            _turned(u, 0.5 * excess * u[5])
     for c in range(7):
         first[c] = u[c]
     load_scales(u, scale)
@@ -224,6 +235,7 @@ def follow(problem, tour, start, sign, met, counts):
                 for c in range(6):
                     met[found, c] = u[c] + share * (trial[c] - u[c])
                     apart = max(apart, abs(met[found, c] - first[c]) / scale[c])
+                _turned(met[found], -0.5 * excess * met[found, 5])
                 found += 1
                 closed = closed or apart < _BACK
             leaving = False
