@@ -30,7 +30,7 @@ from loopelastica.rod.kernels.tours import Tour, pull, visit
 
 _ROOM = 4000
 # Newton steps from a drawn rod; guesses between two looks at the clock
-_PATIENCE, _PART = 40, 40
+_PATIENCE, _PART = 25, 40
 # new rods of a part with which it is worth while to go on
 _FEW = 2
 # tours between two looks at the clock, steps of one, and its longest step
