@@ -26,10 +26,11 @@ from loopelastica.rod.kernels.multistart import new_rows
 from loopelastica.rod.kernels.records import Method, Start, Status
 from loopelastica.rod.kernels.rotations import matrix_from_quaternion
 from loopelastica.rod.kernels.settling import settle
+from loopelastica.rod.kernels.shooting import moment_bound
 from loopelastica.rod.kernels.tours import Tour, pull, visit
 
 _ROOM = 4000
-# Newton steps from a drawn rod; guesses between two looks at the clock
+# Newton steps that a start is given; guesses between two looks at the clock
 _PATIENCE, _PART = 25, 40
 # new rods of a part with which it is worth while to go on
 _FEW = 2
@@ -41,6 +42,10 @@ _AGREE = 0.9
 _MARGIN = 0.3
 # loads nearer than this, relative to their units, may be those of one rod
 _NEAR = 3e-3
+# starts with a loop in the middle: β and azimuths
+_BETAS, _AZIMUTHS = (-0.6, -0.35, -0.1, 0.1, 0.35, 0.6), 4
+# how a clamping is tilted that has its ends on one line
+_SHORTER, _ASIDE, _TILT = 0.995, (0.02, 0.01, 0.0), (0.03, -0.02, 0.0)
 
 AXES = {"d1": (1.0, 0.0, 0.0), "d2": (0.0, 1.0, 0.0), "d3": (0.0, 0.0, 1.0)}
 
@@ -86,6 +91,7 @@ class Search:
         self.clamping, self.torsion_ratio, self.tolerance = clamping, torsion_ratio, tolerance
         self.deadline = deadline
         self.starts = 0
+        self.patience = _PATIENCE
         self.tours = Tours()
         self.found_by: dict[str, int] = {}
         self._problem = problem_of(clamping, torsion_ratio, tolerance)
@@ -151,9 +157,14 @@ class Search:
                 return
             some = guesses[part : part + _PART]
             known = len(self)
-            harvest(self._problem, some, _PATIENCE, self._catch)
+            harvest(self._problem, some, self.patience, self._catch)
             self.starts += len(some)
             self._count(way, known)
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether rods come in families, ends being on one line."""
+        return bool(self._catch.symmetry)
 
     def tour(self, axis: str, energy_max: float, most: int) -> None:
         """Tours about an axis of the end frame, from all rods that none has come through."""
@@ -176,6 +187,29 @@ class Search:
         self.tours.closed += closed
         self._count(f"tours about {axis}", known)
 
+    def looped(self) -> None:
+        """Multiple shooting from a loop in the middle of a rod that is stretched between its ends.
+
+        The loop is that of an infinite rod (homoclinic), with M3 = 2√F sin β: at its top the
+        tangent is at the angle θ from the tension, sin θ/2 = cos β, and the bending moment
+        2√F cos β lies in the plane of both; it shortens the rod by 4 cos β/√F.
+        """
+        free, loops = self.clamping.free_spin, []
+        for beta in (0.0,) if free else _BETAS:
+            root = 4.0 * math.cos(beta) / (1.0 - float(np.linalg.norm(self.clamping.position)))
+            theta = 2.0 * math.asin(math.cos(beta))
+            across = root**2 * math.sin(theta), math.copysign(2.0 * root * math.cos(beta), beta)
+            for azimuth in np.arange(_AZIMUTHS) * (math.tau / _AZIMUTHS):
+                c, s = math.cos(azimuth), math.sin(azimuth)
+                loops.append(
+                    (
+                        across[0] * c, across[0] * s, root**2 * math.cos(theta),
+                        across[1] * c, across[1] * s, 2.0 * root * math.sin(beta),
+                    )
+                )  # fmt: skip
+        for rod in self._settled(np.array(loops)):
+            self.add(rod, "loops in the middle")
+
     def pulled(self, drawn: int, slack: float, energy_max: float) -> None:
         """From the rods of a slacker clamping, found there and pulled outwards."""
         clamping, size = self.clamping, float(np.linalg.norm(self.clamping.position))
@@ -184,6 +218,7 @@ class Search:
             return
         near = Clamping(short / size * clamping.position, clamping.rotation, clamping.free_spin)
         near_search = Search(near, self.torsion_ratio, self.tolerance, self.deadline)
+        near_search.patience = self.patience
         near_search.drawn(drawn, 2 * drawn)
         shift = clamping.position - near.position
         tour = Tour(np.zeros(3), False, shift, energy_max * (1.0 + _MARGIN), _STEPS, _LONGEST, _AGREE)
@@ -191,6 +226,30 @@ class Search:
         pull(near_search._problem, tour, energy_max, near_search._catch, self._problem, self._catch, ended)
         self.starts += drawn
         self._count("pulled from a slacker clamping", known)
+
+    def beside(self, drawn: int, most: int, energy_max: float) -> None:
+        """From the rods of a clamping that is tilted a little, where ends on one line make circles.
+
+        A curve of rods that can be turned at no cost has no single direction to go on in. Beside
+        such a clamping, of each circle a few rods remain, with tours of their own.
+        """
+        if self._catch.symmetry == 0 or most == 0 or self.deadline.passed:
+            return
+        near = Clamping(
+            self.clamping.position * _SHORTER + _ASIDE,
+            self.clamping.rotation @ _tilt(),
+            self.clamping.free_spin,
+        )
+        search = Search(near, self.torsion_ratio, self.tolerance, self.deadline)
+        search.patience = self.patience
+        search.drawn(drawn, 2 * drawn)
+        known = len(self)
+        harvest(search._problem, self._catch.loads[:known].copy(), self.patience, search._catch)
+        for axis in AXES:
+            search.tour(axis, energy_max, most)
+        low = search._catch.energies[: len(search)] < energy_max
+        self._harvest(search._catch.loads[: len(search)][low], "from a tilted clamping")
+        self.tours = search.tours
 
     def _count(self, way: str, known: int) -> None:
         self.found_by[way] = self.found_by.get(way, 0) + len(self) - known
@@ -206,21 +265,29 @@ class Search:
         # energies of the coarse mesh are off by a thousandth
         low = self._catch.energies[: len(self)] <= energy_max * (1.0 + 1e-2) + 0.1
         places = [int(i) for i in np.flatnonzero(low) if int(i) not in self._solved]
-        rows = new_rows(len(places))
-        settle(self._problem, self._catch.loads[places], rows)
-        for k, place in enumerate(places):
-            method = Method(rows.method[k])
-            if method == Method.NONE:
-                continue
-            self._solved[place] = Equilibrium(
-                self.clamping, self.torsion_ratio, rows.loads[k], float(rows.energy[k]),
-                float(rows.residual[k]), Status.CONVERGED, method, **record_of(rows, k),
-            )  # fmt: skip
+        for place, rod in zip(places, self._settled(self._catch.loads[places]), strict=True):
+            if rod.converged:
+                self._solved[place] = rod
         hits = self._catch.hits
         return [
             *((self._solved[i], int(hits[i])) for i in sorted(self._solved) if low[i]),
             *((rod, 1) for rod in self._tense),
         ]
+
+    def _settled(self, loads: Array) -> list[Equilibrium]:
+        """Solutions from loads (n, 6) in the middle; some may not have converged."""
+        rows = new_rows(len(loads))
+        settle(self._problem, loads, rows)
+        methods = [Method(method) for method in rows.method]
+        return [
+            Equilibrium(
+                self.clamping, self.torsion_ratio, rows.loads[k], float(rows.energy[k]),
+                float(rows.residual[k]),
+                Status.STALLED if method == Method.NONE else Status.CONVERGED, method,
+                **record_of(rows, k),
+            )
+            for k, method in enumerate(methods)
+        ]  # fmt: skip
 
 
 def _symmetry(clamping: Clamping) -> int:
@@ -235,7 +302,12 @@ def _in_the_middle(rod: Equilibrium) -> Array | None:
     fx, fy, fz = force = rod.loads[:3]
     moment = rod.loads[3:] + (fy * z - fz * y, fz * x - fx * z, fx * y - fy * x)
     frame = matrix_from_quaternion(pose[3:])
-    if np.linalg.norm(moment) + 2.0 * math.sqrt(np.linalg.norm(force)) > MAX_RATE:
-        return None
     loads: Array = np.concatenate([frame.T @ force, frame.T @ moment])
-    return loads
+    return loads if moment_bound(loads) < MAX_RATE else None
+
+
+def _tilt() -> Array:
+    from scipy.spatial.transform import Rotation
+
+    turn: Array = Rotation.from_rotvec(_TILT).as_matrix()
+    return turn

@@ -61,14 +61,16 @@ class _Round:
     random: int
     tours: int
     """From how many rods at most."""
+    patience: int
+    """Newton steps that a start is given."""
 
 
 # each is made after the ones before it
 _ROUNDS = (
-    _Round(40, 40, 0, 2.0, 0, 0),
-    _Round(40, 280, 40, 1.8, 0, 100),
-    _Round(400, 600, 300, 2.5, 300, 400),
-    _Round(1000, 2000, 600, 1.5, 1500, 2000),
+    _Round(40, 40, 0, 2.0, 0, 0, 25),
+    _Round(40, 280, 40, 1.8, 0, 100, 25),
+    _Round(400, 600, 300, 2.5, 300, 400, 40),
+    _Round(1500, 3000, 600, 1.5, 3000, 2000, 40),
 )
 _AXES = ("d3", "d1", "d2")
 _DEFAULT_ROUNDS = 2
@@ -227,13 +229,19 @@ def equilibria(
         search.structured(_both((turns + 0.0, turns + 1.0, turns - 1.0)))
     span = ENERGY_SPAN if energy_max is None else energy_max
     search.structured(_structured(clamping, torsion_ratio, span))
+    if _nearly_in_line(clamping):
+        search.looped()
     done = 0
     for plan in _ROUNDS[: rounds or _DEFAULT_ROUNDS]:
+        search.patience = plan.patience
         search.drawn(plan.least, plan.drawn)
         search.pulled(plan.pulled, plan.slack, _bound(energy_max, search.lowest))
         search.random(plan.random)
-        for axis in _AXES if plan.tours else ():
-            search.tour(axis, _bound(energy_max, search.lowest), plan.tours)
+        if search.symmetric:
+            search.beside(plan.least, plan.tours, _bound(energy_max, search.lowest))
+        else:
+            for axis in _AXES if plan.tours else ():
+                search.tour(axis, _bound(energy_max, search.lowest), plan.tours)
         if deadline.passed:
             break
         done += 1
