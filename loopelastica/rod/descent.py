@@ -6,7 +6,7 @@ ends; multiple shooting refines what it comes to.
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from loopelastica._checks import instance
 from loopelastica.rod._discrete import discrete_copy, segments
 from loopelastica.rod._starts import TOLERANCE, check_tolerance, problem_of
 from loopelastica.rod.equilibrium import Equilibrium
-from loopelastica.rod.kernels.descent import descend, displace, unstable_modes
+from loopelastica.rod.kernels.descent import Passed, descend, displace, unstable_modes
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod
 from loopelastica.rod.kernels.records import (
     LAYERS,
@@ -32,7 +32,7 @@ from loopelastica.rod.stability import morse_index
 # first turn of the frames along a mode, and their largest turn in a step of the flow (radian)
 _FIRST, _REACH = 0.05, 0.25
 # most that a frame turns from one segment to the next
-_HINGE = 0.7
+HINGE = 0.7
 # what the energy of a discrete rod is off by: relative, and in K0/L
 _MARGIN = 0.05
 
@@ -84,7 +84,7 @@ def ways_down(
     if index == 0:
         return []
     problem = problem_of(rod.clamping, rod.torsion_ratio, tolerance)
-    copy = discrete_copy(rod, segments(rod, _HINGE))
+    copy = discrete_copy(rod, segments(rod, HINGE))
     force = rod.loads[:3].copy()
     modes = np.empty((index, len(copy.frames) - (1 if problem.free_spin else 2), 3))
     shift = float(unstable_modes(problem, _ratio(problem), copy, force, modes))
@@ -93,10 +93,23 @@ def ways_down(
         for amount in (_FIRST, -_FIRST):
             start = DiscreteRod(copy.s, copy.frames.copy())
             displace(start, mode, amount)
-            low = descended(rod, problem, start, force, 2.0 * shift, reach)
+            low = descended(rod, problem, start, force, 2.0 * shift, reach).end
             below = low.energy < rod.energy and homotopy_class(low) == homotopy_class(rod)
             found.append(low if below else _lost(rod))
     return found
+
+
+class Descent(NamedTuple):
+    """Where a gradient flow ended, and where it went slowest on its way: next to a saddle."""
+
+    end: Equilibrium
+    """``STALLED`` where the way was lost."""
+    slow_frames: Array
+    """(n + 2, 4)."""
+    slow_load: Array
+    """(6,): F and M at s = 0."""
+    slowest: float
+    """The imbalance there; inf if the flow went slower and slower."""
 
 
 def descended(
@@ -106,8 +119,8 @@ def descended(
     force: Array,
     shift: float,
     reach: float = _REACH,
-) -> Equilibrium:
-    """Where the gradient flow from a discrete rod ends, refined; the start's frames are changed.
+) -> Descent:
+    """Follow the gradient flow from a discrete rod, whose frames are changed, and refine its end.
 
     Parameters
     ----------
@@ -116,7 +129,7 @@ def descended(
     problem : Problem
         The clamping in compiled code's terms.
     start : DiscreteRod
-        What the flow begins at.
+        What the flow begins at; its end need not be in place.
     force : (3,) ndarray
         About the start's F; left as it is.
     shift : float
@@ -126,16 +139,19 @@ def descended(
 
     Returns
     -------
-    Equilibrium
-        With the status ``STALLED`` where the way was lost.
+    Descent
     """
     force, moment = force.copy(), np.empty(3)
-    arrived, energy, _, _ = descend(problem, _ratio(problem), start, force, moment, shift, reach)
-    if not arrived:
-        return _lost(rod)
-    end = refined(rod, problem, start, np.concatenate([force, moment]))
-    near = abs(end.energy - energy) < _MARGIN * (1.0 + energy)
-    return end if near else _lost(rod)
+    passed = Passed(np.empty(start.frames.shape), np.empty(6))
+    arrived, energy, slowest = descend(
+        problem, _ratio(problem), start, force, moment, shift, reach, passed
+    )
+    end = _lost(rod)
+    if arrived:
+        found = refined(rod, problem, start, np.concatenate([force, moment]))
+        if abs(found.energy - energy) < _MARGIN * (1.0 + energy):
+            end = found
+    return Descent(end, passed.frames, passed.load, float(slowest))
 
 
 def refined(

@@ -13,9 +13,11 @@ method ends the descent.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from loopelastica._arrays import Array
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod, assemble, measure, new_hessian
 from loopelastica.rod.kernels.discrete_starts import first_moment
 from loopelastica.rod.kernels.jit import kernel
@@ -38,8 +40,8 @@ _SETTLING, _NEAR = 4, 0.3
 # orthogonal iterations; halvings of the interval that holds −λ
 _ITERATIONS, _HALVINGS = 12, 5
 # steps of a descent; the last Newton step of one; |constraint|₁ of a closed rod; an imbalance that
-# only an equilibrium has
-_STEPS, _SHORT, _CLOSED, _BALANCED = 400, 1e-2, 1e-4, 1e-6
+# only an equilibrium has; growth of the imbalance that tells that a saddle was passed
+_STEPS, _SHORT, _CLOSED, _BALANCED, _FASTER = 400, 1e-2, 1e-4, 1e-6, 2.0
 
 
 @kernel
@@ -195,30 +197,47 @@ def displace(rod, mode, amount):
         )
 
 
+class Passed(NamedTuple):
+    """Where a descent went slowest before it went faster again: next to a saddle."""
+
+    frames: Array
+    """(n + 2, 4)."""
+    load: Array
+    """(6,): F, and M at s = 0."""
+
+
 @kernel
-def descend(problem, k3, rod, force, moment, shift, reach):
+def descend(problem, k3, rod, force, moment, shift, reach, passed):
     """Follow the gradient flow from a discrete rod, its frames in place, to where it ends.
 
     ``force`` (3,) is a multiplier near the rod's and becomes that of the end, ``moment`` (3,)
     becomes M at s = 0 there. ``shift`` is one over the first step's time, ``reach`` the largest
-    turn of a frame in a step. Returns (arrived, energy, Morse index, steps): the index is that of
-    the discrete rod, above zero where the flow runs into another saddle.
+    turn of a frame in a step. Returns (arrived, energy, slowest): the imbalance at the place that
+    ``passed`` becomes, infinite if there is none.
     """
     position, s = problem.position, rod.s
     hessian = new_hessian(s.shape[0] - 1, problem.free_spin)
     omega, step = hessian.omega, new_step(hessian.gradient.shape[0])
     c, multiplier = step.constraint, step.multiplier
     trial, trial_c = DiscreteRod(s, np.empty(rod.frames.shape)), np.empty(3)
-    energy, last, mu = measure(rod, position, k3, omega, c), False, 0.0
-    for iteration in range(_STEPS):
+    slow = Passed(np.empty(rod.frames.shape), np.empty(6))
+    slowest, least, mu = math.inf, math.inf, 0.0
+    energy = measure(rod, position, k3, omega, c)
+    for _ in range(_STEPS):
         assemble(rod, k3, force, hessian)
-        norm_c = l1(c)
-        rest = imbalance(hessian, force)
-        last = norm_c < _CLOSED and rest < _BALANCED
-        if last:
-            index, _, _, _ = newton_step(hessian, s, True, _FLOOR, step)
-            first_moment(omega, s, k3, moment)
-            return True, energy, index, iteration
+        norm_c, rest = l1(c), imbalance(hessian, force)
+        first_moment(omega, s, k3, moment)
+        if norm_c < _CLOSED and rest < _BALANCED:
+            return True, energy, slowest
+        if rest < least:
+            least = rest
+            _keep_place(rod, force, moment, slow)
+        elif rest > _FASTER * least:
+            if least < slowest:
+                slowest = least
+                _keep_place(DiscreteRod(s, slow.frames), slow.load[:3], slow.load[3:], passed)
+            least = rest
+            _keep_place(rod, force, moment, slow)
         if shift < _SHIFT:
             shift = _FLOOR
         _, shift, downhill, largest = newton_step(hessian, s, False, shift, step)
@@ -234,16 +253,13 @@ def descend(problem, k3, rod, force, moment, shift, reach):
             omega, trial, trial_c,
         )  # fmt: skip
         if not taken > 0.0:
+            measure(rod, position, k3, omega, c)
             if largest < _SHORT and norm_c < _CLOSED:
                 # rounding hides what is left
-                index, _, _, _ = newton_step(hessian, s, True, _FLOOR, step)
-                measure(rod, position, k3, omega, c)
-                first_moment(omega, s, k3, moment)
-                return True, energy, index, iteration
+                return True, energy, slowest
             shift = 4.0 * max(_SHIFT, shift)
-            measure(rod, position, k3, omega, c)
-            if shift > 1e12:
-                return False, math.inf, 0, iteration
+            if not shift < 1e12:
+                break
             continue
         if taken < t:
             shift = 2.0 * max(_SHIFT, shift)
@@ -254,4 +270,12 @@ def descend(problem, k3, rod, force, moment, shift, reach):
             force[i] += taken * (multiplier[i] - force[i])
         copy(trial_c, c)
         copy_rows(trial.frames, rod.frames)
-    return False, math.inf, 0, _STEPS
+    return False, math.inf, slowest
+
+
+@kernel
+def _keep_place(rod, force, moment, place):
+    """Copy where a descent is."""
+    copy_rows(rod.frames, place.frames)
+    for i in range(3):
+        place.load[i], place.load[3 + i] = force[i], moment[i]

@@ -1,0 +1,104 @@
+"""Mountain passes: from a path between two minima to a saddle on the boundary of their basins.
+
+The basin of a minimum is what flows to it. A path from one minimum to another leaves the basin of
+the first somewhere; bisection finds where, each point of the path being followed down to where its
+flow ends (``descent``). From next to the boundary the flow first runs along it, to a saddle of
+index 1, and goes slowest there; Newton's method does the rest. Where it does not, the two places
+beside the saddle, one on either side, are the ends of the next path.
+
+The path turns each frame straight to its place on the other side. Frames are followed along the
+rod as quaternions of one sign, so that no frame goes around the other way than its neighbours.
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from loopelastica._arrays import Array
+from loopelastica.rod._discrete import discrete_copy, segments
+from loopelastica.rod._starts import problem_of
+from loopelastica.rod.descent import HINGE, Descent, descended, refined
+from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.kernels.discrete_rod import DiscreteRod
+from loopelastica.rod.stability import morse_index
+
+# bisections of a path, and paths
+_BISECTIONS, _ROUNDS = 9, 4
+# one over the time of the first step of a flow
+_SHIFT = 100.0
+
+
+def passes(
+    start: Equilibrium,
+    end: Equilibrium,
+    inside: Callable[[Equilibrium], bool],
+    tolerance: float,
+) -> Iterator[Equilibrium]:
+    """Saddles of index 1 next to the boundary of some basins, from a path that leaves them.
+
+    Parameters
+    ----------
+    start, end : Equilibrium
+        Minima of one clamping, in one component of the space of rods.
+    inside : callable
+        Whether an equilibrium is one of those whose basins count; `start` is, `end` is not.
+    tolerance : float
+        Largest residual of a saddle.
+
+    Yields
+    ------
+    Equilibrium
+        With its index. The first ones may be off the way; the caller sees what they separate.
+    """
+    problem = problem_of(start.clamping, start.torsion_ratio, tolerance)
+    n = max(segments(start, HINGE), segments(end, HINGE))
+    near, far = discrete_copy(start, n), discrete_copy(end, n)
+    # both on the hinges of the one under more tension
+    if np.linalg.norm(end.loads[:3]) > np.linalg.norm(start.loads[:3]):
+        near = discrete_copy(start, n, far.s)
+    else:
+        far = discrete_copy(end, n, near.s)
+    sides = [near.frames, far.frames]
+    loads = [start.loads, end.loads]
+    for _ in range(_ROUNDS):
+        a, b = _followed(sides[0]), _followed(sides[1])
+        low, high = 0.0, 1.0
+        flows: list[Descent | None] = [None, None]
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            force = (1.0 - middle) * loads[0][:3] + middle * loads[1][:3]
+            frames = _between(a, b, middle)
+            flow = descended(start, problem, DiscreteRod(near.s, frames), force, _SHIFT)
+            if flow.end.converged and inside(flow.end):
+                low, flows[0] = middle, flow
+            else:
+                high, flows[1] = middle, flow
+        beside = [flow for flow in flows if flow is not None and np.isfinite(flow.slowest)]
+        for flow in sorted(beside, key=lambda flow: flow.slowest):
+            slow = DiscreteRod(near.s, flow.slow_frames)
+            found = refined(start, problem, slow, flow.slow_load, minimized=False)
+            if found.converged and morse_index(found) == 1:
+                yield found
+        if len(beside) < 2:
+            return
+        sides = [flow.slow_frames for flow in beside]
+        loads = [flow.slow_load for flow in beside]
+
+
+def _followed(frames: Array) -> Array:
+    """Quaternions (n, 4) with the signs that they have when followed from the first."""
+    signs = np.sign(np.sum(frames[1:] * frames[:-1], axis=1))
+    return frames * np.concatenate([[1.0], np.cumprod(signs)])[:, None] * np.sign(frames[0, 0])
+
+
+def _between(a: Array, b: Array, t: float) -> Array:
+    """Frames a fraction ``t`` of the way from ``a`` to ``b``, each turned about one axis."""
+    cosine = np.clip(np.sum(a * b, axis=1), -1.0, 1.0)
+    angle = np.arccos(cosine)
+    sine = np.sin(angle)
+    close = sine < 1e-6
+    sine[close] = 1.0
+    left = np.where(close, 1.0 - t, np.sin((1.0 - t) * angle) / sine)
+    right = np.where(close, t, np.sin(t * angle) / sine)
+    frames: Array = left[:, None] * a + right[:, None] * b
+    return frames / np.linalg.norm(frames, axis=1, keepdims=True)
