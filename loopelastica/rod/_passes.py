@@ -17,8 +17,9 @@ import numpy as np
 from loopelastica._arrays import Array
 from loopelastica.rod._discrete import discrete_copy, segments
 from loopelastica.rod._starts import problem_of
-from loopelastica.rod.descent import HINGE, Descent, descended, refined
+from loopelastica.rod.descent import HINGE, Descent, descended, settled, soft_modes
 from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.kernels.descent import displace
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod
 from loopelastica.rod.stability import morse_index
 
@@ -26,6 +27,10 @@ from loopelastica.rod.stability import morse_index
 _BISECTIONS, _ROUNDS = 9, 4
 # one over the time of the first step of a flow
 _SHIFT = 100.0
+# largest turn in a step: larger ones make a boundary where there is none
+_REACH = 0.1
+# the softest modes of a minimum, and how far it is moved along them (radian)
+_MODES, _AMOUNTS = 2, (0.15, 0.4, 0.9)
 
 
 def passes(
@@ -59,16 +64,14 @@ def passes(
     else:
         far = discrete_copy(end, n, near.s)
     sides = [near.frames, far.frames]
-    loads = [start.loads, end.loads]
     for _ in range(_ROUNDS):
         a, b = _followed(sides[0]), _followed(sides[1])
         low, high = 0.0, 1.0
         flows: list[Descent | None] = [None, None]
         for _ in range(_BISECTIONS):
             middle = 0.5 * (low + high)
-            force = (1.0 - middle) * loads[0][:3] + middle * loads[1][:3]
             frames = _between(a, b, middle)
-            flow = descended(start, problem, DiscreteRod(near.s, frames), force, _SHIFT)
+            flow = descended(start, problem, DiscreteRod(near.s, frames), _SHIFT, _REACH)
             if flow.end.converged and inside(flow.end):
                 low, flows[0] = middle, flow
             else:
@@ -76,19 +79,38 @@ def passes(
         beside = [flow for flow in flows if flow is not None and np.isfinite(flow.slowest)]
         for flow in sorted(beside, key=lambda flow: flow.slowest):
             slow = DiscreteRod(near.s, flow.slow_frames)
-            found = refined(start, problem, slow, flow.slow_load, minimized=False)
+            found = settled(start, problem, slow, flow.slow_load)
             if found.converged and morse_index(found) == 1:
                 yield found
         if len(beside) < 2:
             return
         sides = [flow.slow_frames for flow in beside]
-        loads = [flow.slow_load for flow in beside]
+
+
+def climbs(rod: Equilibrium, tolerance: float) -> Iterator[Equilibrium]:
+    """Saddles of index 1 that Newton's method finds from a minimum, moved along its softest modes.
+
+    They are the ones that a path misses: so near the minimum that its basin ends at once.
+    """
+    problem = problem_of(rod.clamping, rod.torsion_ratio, tolerance)
+    copy, force, modes, _ = soft_modes(rod, problem, _MODES + rod.family_dimension)
+    load = np.concatenate([force, rod.loads[3:]])
+    for mode in modes:
+        for amount in (*_AMOUNTS, *(-a for a in _AMOUNTS)):
+            moved = DiscreteRod(copy.s, copy.frames.copy())
+            displace(moved, mode, amount)
+            found = settled(rod, problem, moved, load)
+            if found.converged and morse_index(found) == 1:
+                yield found
 
 
 def _followed(frames: Array) -> Array:
     """Quaternions (n, 4) with the signs that they have when followed from the first."""
     signs = np.sign(np.sum(frames[1:] * frames[:-1], axis=1))
-    return frames * np.concatenate([[1.0], np.cumprod(signs)])[:, None] * np.sign(frames[0, 0])
+    followed: Array = (
+        frames * np.concatenate([[1.0], np.cumprod(signs)])[:, None] * np.sign(frames[0, 0])
+    )
+    return followed
 
 
 def _between(a: Array, b: Array, t: float) -> Array:
@@ -100,5 +122,6 @@ def _between(a: Array, b: Array, t: float) -> Array:
     sine[close] = 1.0
     left = np.where(close, 1.0 - t, np.sin((1.0 - t) * angle) / sine)
     right = np.where(close, t, np.sin(t * angle) / sine)
-    frames: Array = left[:, None] * a + right[:, None] * b
-    return frames / np.linalg.norm(frames, axis=1, keepdims=True)
+    frames = left[:, None] * a + right[:, None] * b
+    unit: Array = frames / np.linalg.norm(frames, axis=1, keepdims=True)
+    return unit

@@ -14,7 +14,7 @@ from typing import Any
 
 from loopelastica._arrays import Record
 from loopelastica._checks import shown
-from loopelastica.rod._passes import passes
+from loopelastica.rod._passes import climbs, passes
 from loopelastica.rod._same import same
 from loopelastica.rod._starts import TOLERANCE, Deadline, check_tolerance
 from loopelastica.rod.descent import ways_down
@@ -240,6 +240,8 @@ class _Landscape:
             members = [i for i in self.listed if self.classes[i] == c]
             for i in members[1:]:
                 first = members[0]
+                if self._way(first, i) is None:
+                    self._climb(i)
                 while not self.deadline.passed and self._way(first, i) is None:
                     if not self._look(first, i, math.inf) and not self._look(i, first, math.inf):
                         break
@@ -251,6 +253,13 @@ class _Landscape:
             step = left[-1]
             tried.append(step)
             self._look(*step.ends, step.saddle.energy - _LOWER)
+
+    def _climb(self, start: int) -> None:
+        """Join a minimum to others by what is found from its softest modes."""
+        for saddle in climbs(self.minima[start], self.tolerance):
+            if self.deadline.passed:
+                break
+            self.add(saddle)
 
     def _look(self, start: int, end: int, below: float) -> bool:
         """Whether a pass below an energy leads out of what lower passes join to a minimum."""
@@ -273,13 +282,12 @@ class _Landscape:
 
     def _joined(self, start: int, below: float) -> set[int]:
         """The minima that steps below an energy join to one."""
-        joined, new = {start}, True
-        while new:
-            new = False
+        joined, before = {start}, 0
+        while len(joined) > before:
+            before = len(joined)
             for step in self.steps:
-                if step.saddle.energy < below and len(joined & set(step.ends)) == 1:
-                    joined |= set(step.ends)
-                    new = True
+                if step.saddle.energy < below and not joined.isdisjoint(step.ends):
+                    joined.update(step.ends)
         return joined
 
     def _tree(self) -> list[_Step]:

@@ -15,7 +15,14 @@ from loopelastica._checks import instance
 from loopelastica.rod._discrete import discrete_copy, segments
 from loopelastica.rod._starts import TOLERANCE, check_tolerance, problem_of
 from loopelastica.rod.equilibrium import Equilibrium
-from loopelastica.rod.kernels.descent import Passed, descend, displace, unstable_modes
+from loopelastica.rod.kernels.descent import (
+    Passed,
+    close,
+    descend,
+    displace,
+    settle,
+    unstable_modes,
+)
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod
 from loopelastica.rod.kernels.records import (
     LAYERS,
@@ -84,19 +91,30 @@ def ways_down(
     if index == 0:
         return []
     problem = problem_of(rod.clamping, rod.torsion_ratio, tolerance)
-    copy = discrete_copy(rod, segments(rod, HINGE))
-    force = rod.loads[:3].copy()
-    modes = np.empty((index, len(copy.frames) - (1 if problem.free_spin else 2), 3))
-    shift = float(unstable_modes(problem, _ratio(problem), copy, force, modes))
+    copy, _, modes, shift = soft_modes(rod, problem, index)
     found = []
     for mode in modes:
         for amount in (_FIRST, -_FIRST):
             start = DiscreteRod(copy.s, copy.frames.copy())
             displace(start, mode, amount)
-            low = descended(rod, problem, start, force, 2.0 * shift, reach).end
+            low = descended(rod, problem, start, 2.0 * shift, reach).end
             below = low.energy < rod.energy and homotopy_class(low) == homotopy_class(rod)
             found.append(low if below else _lost(rod))
     return found
+
+
+def soft_modes(
+    rod: Equilibrium, problem: Problem, count: int
+) -> tuple[DiscreteRod, Array, Array, float]:
+    """A rod's discrete copy with its force (3,) and lowest modes (count, blocks, 3).
+
+    The last is the least shift found that leaves no mode unstable.
+    """
+    copy = discrete_copy(rod, segments(rod, HINGE))
+    force = rod.loads[:3].copy()
+    modes = np.empty((count, len(copy.frames) - (1 if problem.free_spin else 2), 3))
+    shift = unstable_modes(problem, _ratio(problem), copy, force, modes)
+    return copy, force, modes, float(shift)
 
 
 class Descent(NamedTuple):
@@ -116,7 +134,6 @@ def descended(
     rod: Equilibrium,
     problem: Problem,
     start: DiscreteRod,
-    force: Array,
     shift: float,
     reach: float = _REACH,
 ) -> Descent:
@@ -130,8 +147,6 @@ def descended(
         The clamping in compiled code's terms.
     start : DiscreteRod
         What the flow begins at; its end need not be in place.
-    force : (3,) ndarray
-        About the start's F; left as it is.
     shift : float
         One over the time of the first step.
     reach : float
@@ -141,7 +156,8 @@ def descended(
     -------
     Descent
     """
-    force, moment = force.copy(), np.empty(3)
+    force, moment = np.empty(3), np.empty(3)
+    close(problem, _ratio(problem), start, force, reach)
     passed = Passed(np.empty(start.frames.shape), np.empty(6))
     arrived, energy, slowest = descend(
         problem, _ratio(problem), start, force, moment, shift, reach, passed
@@ -154,14 +170,22 @@ def descended(
     return Descent(end, passed.frames, passed.load, float(slowest))
 
 
-def refined(
-    rod: Equilibrium, problem: Problem, near: DiscreteRod, load: Array, minimized: bool = True
-) -> Equilibrium:
-    """The equilibrium next to a discrete rod with the loads (6,); ``STALLED`` if there is none."""
+def settled(rod: Equilibrium, problem: Problem, near: DiscreteRod, load: Array) -> Equilibrium:
+    """The equilibrium, saddle or not, next to a discrete rod with the loads (6,)."""
+    force, moment = load[:3].copy(), np.empty(3)
+    still = DiscreteRod(near.s, near.frames.copy())
+    settle(problem, _ratio(problem), still, force, moment)
+    found = refined(rod, problem, still, np.concatenate([force, moment]))
+    # near a fold the mesh may have lost what is there
+    return found if found.converged else refined(rod, problem, near, load)
+
+
+def refined(rod: Equilibrium, problem: Problem, near: DiscreteRod, load: Array) -> Equilibrium:
+    """The equilibrium of a discrete rod in balance with the loads (6,); ``STALLED`` if none."""
     n = len(near.s)
     nodes = Nodes(np.empty(n), np.empty((n, 7)))
     solution = Solution(np.zeros(6), nodes, np.zeros(1, LAYERS))
-    outcome = refine_discrete_rod(problem, rod.torsion_ratio, minimized, near, load, solution)
+    outcome = refine_discrete_rod(problem, rod.torsion_ratio, True, near, load, solution)
     if outcome.method == Method.NONE:
         return _lost(rod)
     m, method = int(outcome.segments), Method(outcome.method)

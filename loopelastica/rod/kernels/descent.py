@@ -21,7 +21,7 @@ from loopelastica._arrays import Array
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod, assemble, measure, new_hessian
 from loopelastica.rod.kernels.discrete_starts import first_moment
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.linalg import copy, copy_rows
+from loopelastica.rod.kernels.linalg import copy, copy_rows, inverse3
 from loopelastica.rod.kernels.minimization import (
     imbalance,
     l1,
@@ -35,10 +35,12 @@ from loopelastica.rod.kernels.rotations import turn
 
 # shifts: none, and the least that makes a difference
 _FLOOR, _SHIFT = 1e-6, 1.0
-# Newton steps from the poses of a rod to its discrete copy, and the turn that ends them
-_SETTLING, _NEAR = 4, 0.3
+# Newton steps from the poses of a rod to its discrete copy, and their largest turn
+_SETTLING, _NEAR = 12, 0.1
 # orthogonal iterations; halvings of the interval that holds −λ
 _ITERATIONS, _HALVINGS = 12, 5
+# steps that bring an end into place
+_CLOSINGS = 30
 # steps of a descent; the last Newton step of one; |constraint|₁ of a closed rod; an imbalance that
 # only an equilibrium has; growth of the imbalance that tells that a saddle was passed
 _STEPS, _SHORT, _CLOSED, _BALANCED, _FASTER = 400, 1e-2, 1e-4, 1e-6, 2.0
@@ -106,26 +108,34 @@ def unstable_modes(problem, k3, rod, force, modes):
 
 
 @kernel
-def _settle(problem, k3, rod, force, hessian, step):
-    """Newton's method, without a shift, to the next critical point; H at its end.
+def settle(problem, k3, rod, force, moment):
+    """Newton's method, without a shift, to the next critical point of the discrete energy.
 
-    A step that would go far is not made: the mesh is too coarse for it to mean anything.
+    Frames of ``rod`` and ``force`` (3,) in place; ``moment`` (3,) becomes M at s = 0.
     """
+    hessian = new_hessian(rod.s.shape[0] - 1, problem.free_spin)
+    _settle(problem, k3, rod, force, hessian, new_step(hessian.gradient.shape[0]))
+    first_moment(hessian.omega, rod.s, k3, moment)
+
+
+@kernel
+def _settle(problem, k3, rod, force, hessian, step):
+    """Newton's method, without a shift, to the next critical point; H at its end."""
     trial = DiscreteRod(rod.s, np.empty(rod.frames.shape))
     nothing, before = np.zeros(3), math.inf
     for _ in range(_SETTLING):
         measure(rod, problem.position, k3, hessian.omega, step.constraint)
         assemble(rod, k3, force, hessian)
         now = imbalance(hessian, force) + l1(step.constraint)
-        if not now < before or now < 1e-10:
+        if not now < 2.0 * before or now < 1e-10:
             break
-        before = now
+        before = min(now, before)
         _, _, _, largest = newton_step(hessian, rod.s, True, _FLOOR, step)
-        if not largest < _NEAR:
-            break
-        move(rod, step, 1.0, False, nothing, trial)
+        t = min(1.0, _NEAR / max(largest, 1e-300))
+        move(rod, step, t, False, nothing, trial)
         copy_rows(trial.frames, rod.frames)
-        copy(step.multiplier, force)
+        for i in range(3):
+            force[i] += t * (step.multiplier[i] - force[i])
     measure(rod, problem.position, k3, hessian.omega, step.constraint)
     assemble(rod, k3, force, hessian)
 
@@ -197,6 +207,57 @@ def displace(rod, mode, amount):
         )
 
 
+@kernel
+def close(problem, k3, rod, force, reach):
+    """Bring the end of a discrete rod to the clamp by the smallest turns, frames in place.
+
+    ``force`` (3,) becomes the multiplier that balances the rod best. Returns |constraint|₁.
+    """
+    position, s, n = problem.position, rod.s, rod.s.shape[0] - 1
+    hessian, c = new_hessian(n, problem.free_spin), np.empty(3)
+    sides, gradient, nothing = hessian.sides, hessian.gradient, np.zeros(3)
+    lever, inverse, pull, b = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.empty(3)
+    norm = math.inf
+    for _ in range(_CLOSINGS):
+        measure(rod, position, k3, hessian.omega, c)
+        assemble(rod, k3, nothing, hessian)
+        norm = l1(c)
+        # the least-squares problem of Cᵀ, weighed with the segments' lengths
+        for i in range(3):
+            force[i] = 0.0
+            for j in range(3):
+                lever[i, j] = 0.0
+        for k in range(n):
+            weight = 1.0 / (s[k + 1] - s[k])
+            for a in range(3):
+                for i in range(3):
+                    force[i] += weight * sides[k, a, i] * gradient[k, a]
+                    for j in range(3):
+                        lever[i, j] += weight * sides[k, a, i] * sides[k, a, j]
+        inverse3(lever, inverse)
+        if norm < 0.01 * _CLOSED:
+            break
+        times(inverse, c, pull)
+        largest = 0.0
+        for k in range(n):
+            _turned_by(sides[k], pull, s[k + 1] - s[k], b)
+            largest = max(largest, b[0] ** 2 + b[1] ** 2 + b[2] ** 2)
+        share = min(1.0, reach / max(math.sqrt(largest), 1e-300))
+        for k in range(n):
+            _turned_by(sides[k], pull, s[k + 1] - s[k], b)
+            turn(rod.frames[k + 1], -share * b[0], -share * b[1], -share * b[2])
+    times(inverse, force, pull)
+    copy(pull, force)
+    return norm
+
+
+@kernel
+def _turned_by(side, pull, length, b):
+    """Cᵀ pull of one segment over its length, into ``b`` (3,)."""
+    for a in range(3):
+        b[a] = (side[a, 0] * pull[0] + side[a, 1] * pull[1] + side[a, 2] * pull[2]) / length
+
+
 class Passed(NamedTuple):
     """Where a descent went slowest before it went faster again: next to a saddle."""
 
@@ -233,7 +294,9 @@ def descend(problem, k3, rod, force, moment, shift, reach, passed):
             least = rest
             _keep_place(rod, force, moment, slow)
         elif rest > _FASTER * least:
-            if least < slowest:
+            index, _, _, _ = newton_step(hessian, s, True, _FLOOR, step)
+            # else it is Newton's method that overshoots near its end
+            if index > 0 and least < slowest:
                 slowest = least
                 _keep_place(DiscreteRod(s, slow.frames), slow.load[:3], slow.load[3:], passed)
             least = rest
@@ -254,7 +317,7 @@ def descend(problem, k3, rod, force, moment, shift, reach, passed):
         )  # fmt: skip
         if not taken > 0.0:
             measure(rod, position, k3, omega, c)
-            if largest < _SHORT and norm_c < _CLOSED:
+            if shift < _SHIFT and largest < _SHORT and norm_c < _CLOSED:
                 # rounding hides what is left
                 return True, energy, slowest
             shift = 4.0 * max(_SHIFT, shift)
