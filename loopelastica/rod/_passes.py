@@ -21,7 +21,7 @@ from loopelastica.rod.descent import HINGE, Descent, descended, settled, soft_mo
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.descent import displace
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod
-from loopelastica.rod.stability import morse_index
+from loopelastica.rod.stability import assess
 
 # bisections of a path, and paths
 _BISECTIONS, _ROUNDS = 9, 4
@@ -79,8 +79,8 @@ def passes(
         beside = [flow for flow in flows if flow is not None and np.isfinite(flow.slowest)]
         for flow in sorted(beside, key=lambda flow: flow.slowest):
             slow = DiscreteRod(near.s, flow.slow_frames)
-            found = settled(start, problem, slow, flow.slow_load)
-            if found.converged and morse_index(found) == 1:
+            found = assess(settled(start, problem, slow, flow.slow_load))
+            if found.index == 1:
                 yield found
         if len(beside) < 2:
             return
@@ -99,8 +99,8 @@ def climbs(rod: Equilibrium, tolerance: float) -> Iterator[Equilibrium]:
         for amount in (*_AMOUNTS, *(-a for a in _AMOUNTS)):
             moved = DiscreteRod(copy.s, copy.frames.copy())
             displace(moved, mode, amount)
-            found = settled(rod, problem, moved, load)
-            if found.converged and morse_index(found) == 1:
+            found = assess(settled(rod, problem, moved, load))
+            if found.index == 1:
                 yield found
 
 
