@@ -3,13 +3,17 @@
 The basin of a minimum is what flows to it. A path from one minimum to another leaves the basin of
 the first somewhere; bisection finds where, each point of the path being followed down to where its
 flow ends (``descent``). From next to the boundary the flow first runs along it, to a saddle of
-index 1, and goes slowest there; Newton's method does the rest. Where it does not, the two places
-beside the saddle, one on either side, are the ends of the next path.
+index 1, and goes slowest there; from that place Newton's method goes on to the saddle.
 
-The path turns each frame straight to its place on the other side. Frames are followed along the
-rod as quaternions of one sign, so that no frame goes around the other way than its neighbours.
+The path turns frames q_A(s) into q_B(s). Followed along the rod from the start frame as unit
+quaternions, γ = q_A* q_B is a closed curve on the sphere S³ through 1, or one that ends at a spin.
+Seen from a point P of the sphere that it stays away from, by stereographic projection, it shrinks
+to 1 along straight lines; so neighbours never go around different ways. (Turned each about its own
+axis they would, wherever q_B is a whole turn away from q_A, as between rods two turns apart.)
 """
 
+import itertools
+import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -17,14 +21,16 @@ import numpy as np
 from loopelastica._arrays import Array
 from loopelastica.rod._discrete import discrete_copy, segments
 from loopelastica.rod._starts import problem_of
-from loopelastica.rod.descent import HINGE, Descent, descended, settled, soft_modes
+from loopelastica.rod.descent import HINGE, descended, settled, soft_modes
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.descent import displace
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod
 from loopelastica.rod.stability import assess
 
-# bisections of a path, and paths
-_BISECTIONS, _ROUNDS = 9, 4
+# bisections of a path; a flow that goes slower by this has come nearer to a saddle
+_BISECTIONS, _SLOWER = 26, 0.7
+# cosine of the angle at which a curve on the sphere is too near to a point
+_NEAR = 0.98
 # one over the time of the first step of a flow
 _SHIFT = 100.0
 # largest turn in a step: larger ones make a boundary where there is none
@@ -63,28 +69,23 @@ def passes(
         near = discrete_copy(start, n, far.s)
     else:
         far = discrete_copy(end, n, near.s)
-    sides = [near.frames, far.frames]
-    for _ in range(_ROUNDS):
-        a, b = _followed(sides[0]), _followed(sides[1])
-        low, high = 0.0, 1.0
-        flows: list[Descent | None] = [None, None]
+    for straight in (True, False):
+        path = _Path(near.frames, far.frames, problem.free_spin, straight)
+        low, high, slowest = 0.0, 1.0, math.inf
         for _ in range(_BISECTIONS):
             middle = 0.5 * (low + high)
-            frames = _between(a, b, middle)
-            flow = descended(start, problem, DiscreteRod(near.s, frames), _SHIFT, _REACH)
-            if flow.end.converged and inside(flow.end):
-                low, flows[0] = middle, flow
+            on_path = DiscreteRod(near.s, path.frames(middle))
+            flow = descended(start, problem, on_path, _SHIFT, _REACH)
+            if inside(flow.end):
+                low = middle
             else:
-                high, flows[1] = middle, flow
-        beside = [flow for flow in flows if flow is not None and np.isfinite(flow.slowest)]
-        for flow in sorted(beside, key=lambda flow: flow.slowest):
-            slow = DiscreteRod(near.s, flow.slow_frames)
-            found = assess(settled(start, problem, slow, flow.slow_load))
-            if found.index == 1:
-                yield found
-        if len(beside) < 2:
-            return
-        sides = [flow.slow_frames for flow in beside]
+                high = middle
+            if flow.slowest < _SLOWER * slowest:
+                slowest = flow.slowest
+                slow = DiscreteRod(near.s, flow.slow_frames)
+                found = assess(settled(start, problem, slow, flow.slow_load))
+                if found.index == 1:
+                    yield found
 
 
 def climbs(rod: Equilibrium, tolerance: float) -> Iterator[Equilibrium]:
@@ -113,15 +114,56 @@ def _followed(frames: Array) -> Array:
     return followed
 
 
-def _between(a: Array, b: Array, t: float) -> Array:
-    """Frames a fraction ``t`` of the way from ``a`` to ``b``, each turned about one axis."""
-    cosine = np.clip(np.sum(a * b, axis=1), -1.0, 1.0)
-    angle = np.arccos(cosine)
-    sine = np.sin(angle)
-    close = sine < 1e-6
-    sine[close] = 1.0
-    left = np.where(close, 1.0 - t, np.sin((1.0 - t) * angle) / sine)
-    right = np.where(close, t, np.sin(t * angle) / sine)
-    frames = left[:, None] * a + right[:, None] * b
-    unit: Array = frames / np.linalg.norm(frames, axis=1, keepdims=True)
-    return unit
+class _Path:
+    """From frames (n, 4) to others with the same first frame."""
+
+    def __init__(self, near: Array, far: Array, free_spin: bool, straight: bool) -> None:
+        self.near, self.free_spin = _followed(near), free_spin
+        curve = _product(self.near * _CONJUGATE, _followed(far))
+        # −1, if the curve stays away from it, makes the shortest turns; else what it is farthest from
+        nearest = [float((curve @ point).max()) for point in _POINTS]
+        best = 0 if straight and nearest[0] < _NEAR else 1 + int(np.argmin(nearest[1:]))
+        self.away = -_POINTS[best]
+        seen = _product(self.away * _CONJUGATE, curve)
+        self.seen = seen[:, 1:] / (1.0 + seen[:, :1])
+
+    def frames(self, t: float) -> Array:
+        """The frames a fraction ``t`` of the way."""
+        x = (1.0 - t) * self.seen[:1] + t * self.seen
+        square = np.sum(x * x, axis=1, keepdims=True)
+        back = np.hstack([1.0 - square, 2.0 * x]) / (1.0 + square)
+        frames = _product(self.near, _product(self.away, back))
+        # the clamps are exact; a free end takes the spin that twists nothing
+        frames[0] = self.near[0]
+        end = self.near[-1]
+        if self.free_spin:
+            off = _product(frames[-2] * _CONJUGATE, end)
+            half = -math.atan2(off[3], off[0])
+            end = _product(end, np.array([math.cos(half), 0.0, 0.0, math.sin(half)]))
+        frames[-1] = end
+        return frames
+
+
+_CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
+# −1, and points off the circle of spins in all directions
+_POINTS = np.array(
+    [(-1.0, 0.0, 0.0, 0.0)]
+    + [(w, *v) for w in (-0.5, 0.0) for v in itertools.product((-0.6, 0.6), repeat=3)]
+)
+_POINTS /= np.linalg.norm(_POINTS, axis=1, keepdims=True)
+
+
+def _product(p: Array, q: Array) -> Array:
+    """Quaternion products, (…, 4)."""
+    a, b, c, d = np.moveaxis(p, -1, 0)
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    product: Array = np.stack(
+        [
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y - b * z + c * w + d * x,
+            a * z + b * y - c * x + d * w,
+        ],
+        axis=-1,
+    )
+    return product

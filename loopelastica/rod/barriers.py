@@ -272,6 +272,9 @@ class _Landscape:
 
         one, other = self.minima[start], self.minima[end]
         for saddle in passes(one, other, inside, self.tolerance):
+            if saddle.energy >= below and any(same(step.saddle, saddle) for step in self.steps):
+                # the pass that was to be undercut
+                return False
             if saddle.energy < below:
                 self.add(saddle)
                 if self._joined(start, below) != basins:

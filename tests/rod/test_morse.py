@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from draws import closed_ring, drawn_rods, load_drawn, shot
+from draws import closed_ring, drawn_rods, shot
 
 import loopelastica as le
 from loopelastica.rod.kernels.records import Status
@@ -102,11 +102,11 @@ def test_the_figure_eight_and_its_index():
     assert le.rod.stability.morse_index(eight) == np.sum(values < -0.1)
 
 
-@pytest.mark.parametrize("torsion_ratio", [0.3, 1.0, 3.0])
-def test_the_classes_of_two_rods_differ_as_their_turns_are_odd_apart(rng, torsion_ratio):
+@pytest.mark.parametrize("torsion_ratio", [0.7, 1.0])
+def test_the_classes_of_two_rods_differ_as_their_turns_are_odd_apart(torsion_ratio):
     compared = 0
-    for position, rotation in zip(*load_drawn(rng, 3, torsion_ratio), strict=True):
-        found = le.equilibria(le.Clamping(position, rotation), torsion_ratio, rounds=1)
+    for clamping in (CLAMPING, CLAMPING.mirrored(), CLAMPING.reversed()):
+        found = le.equilibria(clamping, torsion_ratio, rounds=1)
         known = [rod for rod in found if rod.turns is not None]
         for rod in known:
             odd = (rod.turns - known[0].turns) % 2

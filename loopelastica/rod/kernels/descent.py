@@ -35,15 +35,17 @@ from loopelastica.rod.kernels.rotations import turn
 
 # shifts: none, and the least that makes a difference
 _FLOOR, _SHIFT = 1e-6, 1.0
+# the same for modes that cost nothing
+_SOFTEST = 0.05
 # Newton steps from the poses of a rod to its discrete copy, and their largest turn
-_SETTLING, _NEAR = 12, 0.1
+_SETTLING, _NEAR = 20, 0.2
 # orthogonal iterations; halvings of the interval that holds −λ
 _ITERATIONS, _HALVINGS = 12, 5
 # steps that bring an end into place
 _CLOSINGS = 30
 # steps of a descent; the last Newton step of one; |constraint|₁ of a closed rod; an imbalance that
 # only an equilibrium has; growth of the imbalance that tells that a saddle was passed
-_STEPS, _SHORT, _CLOSED, _BALANCED, _FASTER = 400, 1e-2, 1e-4, 1e-6, 2.0
+_STEPS, _SHORT, _CLOSED, _BALANCED, _FASTER = 2000, 1e-2, 1e-4, 1e-6, 2.0
 
 
 @kernel
@@ -294,9 +296,9 @@ def descend(problem, k3, rod, force, moment, shift, reach, passed):
             least = rest
             _keep_place(rod, force, moment, slow)
         elif rest > _FASTER * least:
-            index, _, _, _ = newton_step(hessian, s, True, _FLOOR, step)
-            # else it is Newton's method that overshoots near its end
-            if index > 0 and least < slowest:
+            index, _, _, _ = newton_step(hessian, s, True, _SOFTEST, step)
+            # else it is a saddle of a higher index, or Newton's method overshoots near the end
+            if index == 1 and least < slowest:
                 slowest = least
                 _keep_place(DiscreteRod(s, slow.frames), slow.load[:3], slow.load[3:], passed)
             least = rest
