@@ -120,7 +120,7 @@ class _Path:
     def __init__(self, near: Array, far: Array, free_spin: bool, straight: bool) -> None:
         self.near, self.free_spin = _followed(near), free_spin
         curve = _product(self.near * _CONJUGATE, _followed(far))
-        # −1, if the curve stays away from it, makes the shortest turns; else what it is farthest from
+        # −1 makes the shortest turns; where the curve comes near it, the point farthest from it
         nearest = [float((curve @ point).max()) for point in _POINTS]
         best = 0 if straight and nearest[0] < _NEAR else 1 + int(np.argmin(nearest[1:]))
         self.away = -_POINTS[best]
