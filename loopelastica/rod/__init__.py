@@ -31,7 +31,8 @@ Beneath them, compiled (:mod:`.kernels`; `kernels.jit`: how, and where the code 
 - `multistart`: starts to solutions, through `boundary_layers` (high tension in closed form),
   `minimization` (the `discrete_rod` of least energy) and `multiple_shooting`, each confirmed in
   `refinement`;
-- `second_variation`: conjugate points and inertia; `descent`: the gradient flow; `arclength`: one step along a branch;
+- `second_variation`: conjugate points and inertia; `descent`: the gradient flow;
+  `arclength`: one step along a branch;
 - `closed_form` with `cubic` and `elliptic`: the rod from its physical parameters (`parameters`).
 
 :mod:`.paper` is the method of 2018 as printed: the reference that benchmarks compare with.
