@@ -15,6 +15,11 @@ _PUBLIC = {
     "Status": "rod.kernels.records",
     "Equilibria": "rod.equilibria",
     "equilibria": "rod.equilibria",
+    "barriers": "rod.barriers",
+    "Barriers": "rod.barriers",
+    "Barrier": "rod.barriers",
+    "morse_count": "rod.morse",
+    "ways_down": "rod.descent",
     "PhysicalParameters": "rod.parameters",
     "continue_clamping": "rod.continuation",
     "twist_end": "rod.continuation",
@@ -68,15 +73,20 @@ if TYPE_CHECKING:
     from loopelastica.molecule.hairpins import Hairpins as Hairpins
     from loopelastica.molecule.hairpins import find_hairpins as find_hairpins
     from loopelastica.report.dataframe import to_dataframe as to_dataframe
+    from loopelastica.rod.barriers import Barrier as Barrier
+    from loopelastica.rod.barriers import Barriers as Barriers
+    from loopelastica.rod.barriers import barriers as barriers
     from loopelastica.rod.batch import Batch as Batch
     from loopelastica.rod.batch import solve_batch as solve_batch
     from loopelastica.rod.clamping import Clamping as Clamping
     from loopelastica.rod.continuation import continue_clamping as continue_clamping
     from loopelastica.rod.continuation import twist_end as twist_end
+    from loopelastica.rod.descent import ways_down as ways_down
     from loopelastica.rod.equilibria import Equilibria as Equilibria
     from loopelastica.rod.equilibria import equilibria as equilibria
     from loopelastica.rod.equilibrium import Equilibrium as Equilibrium
     from loopelastica.rod.kernels.records import Status as Status
+    from loopelastica.rod.morse import morse_count as morse_count
     from loopelastica.rod.parameters import PhysicalParameters as PhysicalParameters
     from loopelastica.rod.rest_shape import RestShape as RestShape
     from loopelastica.rod.solve import solve as solve

@@ -21,7 +21,8 @@ quaternion    (w, x, y, z) of R
 ============  ===========================================================================
 
 The way from q to rods: `clamping` (q) → `solve`, `batch`, `equilibria` → `equilibrium` (what a rod
-says of itself) → `stability`; `continuation` follows a rod while its clamping moves, by the steps
+says of itself) → `stability`, `morse` (what topology demands of a list); `descent` and `barriers`
+say what a saddle separates; `continuation` follows a rod while its clamping moves, by the steps
 of `_branch`. What they share is in `_starts`, `_library` (stored guesses) and `_arguments`.
 
 Beneath them, compiled (:mod:`.kernels`; `kernels.jit`: how, and where the code is kept):
@@ -30,7 +31,8 @@ Beneath them, compiled (:mod:`.kernels`; `kernels.jit`: how, and where the code 
 - `multistart`: starts to solutions, through `boundary_layers` (high tension in closed form),
   `minimization` (the `discrete_rod` of least energy) and `multiple_shooting`, each confirmed in
   `refinement`;
-- `second_variation`: conjugate points and inertia; `arclength`: one step along a branch;
+- `second_variation`: conjugate points and inertia; `descent`: the gradient flow;
+  `arclength`: one step along a branch;
 - `closed_form` with `cubic` and `elliptic`: the rod from its physical parameters (`parameters`).
 
 :mod:`.paper` is the method of 2018 as printed: the reference that benchmarks compare with.

@@ -60,7 +60,7 @@ def winding_points(rod: _Rod) -> Array | None:
     s = np.unique(s[(s >= 0.0) & (s <= 1.0)])
     # points that are one to rounding have no direction between them
     apart = np.diff(s) > 1e-9
-    return np.asarray(s[np.concatenate([[True], apart])]) if len(closer) > 1 else s
+    return np.asarray(s[np.concatenate([[True], apart])])
 
 
 def _near_pairs(rod: _Rod, s: Array) -> list[tuple[float, float]]:

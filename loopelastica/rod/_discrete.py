@@ -29,10 +29,14 @@ def turning(rod: Equilibrium) -> float:
     return max(float(moment_bound(rod.loads.copy())), abs(math.tau * rod.twist))
 
 
-def discrete_copy(rod: Equilibrium, n: int) -> DiscreteRod:
-    """The frames of a rod in the middle of ``n`` segments that are short where it bends."""
-    root = math.ceil(math.sqrt(float(np.linalg.norm(rod.loads[:3]))))
-    s = _hinges(min(root, _STEEPEST), n)
+def discrete_copy(rod: Equilibrium, n: int, s: Array | None = None) -> DiscreteRod:
+    """The frames of a rod in the middle of ``n`` segments that are short where it bends.
+
+    Their ends ``s`` (n + 1,) are those of another copy if given.
+    """
+    if s is None:
+        root = math.ceil(math.sqrt(float(np.linalg.norm(rod.loads[:3]))))
+        s = _hinges(min(root, _STEEPEST), n)
     frames: Array = np.empty((n + 2, 4))
     frames[0] = (1.0, 0.0, 0.0, 0.0)
     frames[1:] = rod.poses(np.append(0.5 * (s[1:] + s[:-1]), 1.0))[:, 3:]

@@ -6,7 +6,7 @@ ends; multiple shooting refines what it comes to.
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,14 @@ from loopelastica._checks import instance
 from loopelastica.rod._discrete import discrete_copy, segments
 from loopelastica.rod._starts import TOLERANCE, check_tolerance, problem_of
 from loopelastica.rod.equilibrium import Equilibrium
-from loopelastica.rod.kernels.descent import descend, displace, unstable_modes
+from loopelastica.rod.kernels.descent import (
+    Passed,
+    close,
+    descend,
+    displace,
+    settle,
+    unstable_modes,
+)
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod
 from loopelastica.rod.kernels.records import (
     LAYERS,
@@ -32,7 +39,7 @@ from loopelastica.rod.stability import morse_index
 # first turn of the frames along a mode, and their largest turn in a step of the flow (radian)
 _FIRST, _REACH = 0.05, 0.25
 # most that a frame turns from one segment to the next
-_HINGE = 0.7
+HINGE = 0.7
 # what the energy of a discrete rod is off by: relative, and in K0/L
 _MARGIN = 0.05
 
@@ -84,30 +91,53 @@ def ways_down(
     if index == 0:
         return []
     problem = problem_of(rod.clamping, rod.torsion_ratio, tolerance)
-    copy = discrete_copy(rod, segments(rod, _HINGE))
-    force = rod.loads[:3].copy()
-    modes = np.empty((index, len(copy.frames) - (1 if problem.free_spin else 2), 3))
-    shift = float(unstable_modes(problem, _ratio(problem), copy, force, modes))
+    copy, _, modes, shift = soft_modes(rod, problem, index)
     found = []
     for mode in modes:
         for amount in (_FIRST, -_FIRST):
             start = DiscreteRod(copy.s, copy.frames.copy())
             displace(start, mode, amount)
-            low = descended(rod, problem, start, force, 2.0 * shift, reach)
+            low = descended(rod, problem, start, 2.0 * shift, reach).end
             below = low.energy < rod.energy and homotopy_class(low) == homotopy_class(rod)
             found.append(low if below else _lost(rod))
     return found
+
+
+def soft_modes(
+    rod: Equilibrium, problem: Problem, count: int
+) -> tuple[DiscreteRod, Array, Array, float]:
+    """A rod's discrete copy with its force (3,) and lowest modes (count, blocks, 3).
+
+    The last is the least shift found that leaves no mode unstable.
+    """
+    copy = discrete_copy(rod, segments(rod, HINGE))
+    force = rod.loads[:3].copy()
+    modes = np.empty((count, len(copy.frames) - (1 if problem.free_spin else 2), 3))
+    shift = unstable_modes(problem, _ratio(problem), copy, force, modes)
+    return copy, force, modes, float(shift)
+
+
+class Descent(NamedTuple):
+    """Where a gradient flow ended, and where it went slowest on its way: next to a saddle."""
+
+    end: Equilibrium
+    """``STALLED`` where the way was lost."""
+    slow_frames: Array
+    """(n + 2, 4)."""
+    slow_load: Array
+    """(6,): F and M at s = 0."""
+    slowest: float
+    """The imbalance there; inf if the flow went slower and slower."""
 
 
 def descended(
     rod: Equilibrium,
     problem: Problem,
     start: DiscreteRod,
-    force: Array,
     shift: float,
     reach: float = _REACH,
-) -> Equilibrium:
-    """Where the gradient flow from a discrete rod ends, refined; the start's frames are changed.
+) -> Descent:
+    """Follow the gradient flow from a discrete rod, whose frames are changed, and refine its end.
 
     Parameters
     ----------
@@ -116,9 +146,7 @@ def descended(
     problem : Problem
         The clamping in compiled code's terms.
     start : DiscreteRod
-        What the flow begins at.
-    force : (3,) ndarray
-        About the start's F; left as it is.
+        What the flow begins at; its end need not be in place.
     shift : float
         One over the time of the first step.
     reach : float
@@ -126,26 +154,38 @@ def descended(
 
     Returns
     -------
-    Equilibrium
-        With the status ``STALLED`` where the way was lost.
+    Descent
     """
-    force, moment = force.copy(), np.empty(3)
-    arrived, energy, _, _ = descend(problem, _ratio(problem), start, force, moment, shift, reach)
-    if not arrived:
-        return _lost(rod)
-    end = refined(rod, problem, start, np.concatenate([force, moment]))
-    near = abs(end.energy - energy) < _MARGIN * (1.0 + energy)
-    return end if near else _lost(rod)
+    force, moment = np.empty(3), np.empty(3)
+    close(problem, _ratio(problem), start, force, reach)
+    passed = Passed(np.empty(start.frames.shape), np.empty(6))
+    arrived, energy, slowest = descend(
+        problem, _ratio(problem), start, force, moment, shift, reach, passed
+    )
+    end = _lost(rod)
+    if arrived:
+        found = refined(rod, problem, start, np.concatenate([force, moment]))
+        if abs(found.energy - energy) < _MARGIN * (1.0 + energy):
+            end = found
+    return Descent(end, passed.frames, passed.load, float(slowest))
 
 
-def refined(
-    rod: Equilibrium, problem: Problem, near: DiscreteRod, load: Array, minimized: bool = True
-) -> Equilibrium:
-    """The equilibrium next to a discrete rod with the loads (6,); ``STALLED`` if there is none."""
+def settled(rod: Equilibrium, problem: Problem, near: DiscreteRod, load: Array) -> Equilibrium:
+    """The equilibrium, saddle or not, next to a discrete rod with the loads (6,)."""
+    force, moment = load[:3].copy(), np.empty(3)
+    still = DiscreteRod(near.s, near.frames.copy())
+    settle(problem, _ratio(problem), still, force, moment)
+    found = refined(rod, problem, still, np.concatenate([force, moment]))
+    # near a fold the mesh may have lost what is there
+    return found if found.converged else refined(rod, problem, near, load)
+
+
+def refined(rod: Equilibrium, problem: Problem, near: DiscreteRod, load: Array) -> Equilibrium:
+    """The equilibrium of a discrete rod in balance with the loads (6,); ``STALLED`` if none."""
     n = len(near.s)
     nodes = Nodes(np.empty(n), np.empty((n, 7)))
     solution = Solution(np.zeros(6), nodes, np.zeros(1, LAYERS))
-    outcome = refine_discrete_rod(problem, rod.torsion_ratio, minimized, near, load, solution)
+    outcome = refine_discrete_rod(problem, rod.torsion_ratio, True, near, load, solution)
     if outcome.method == Method.NONE:
         return _lost(rod)
     m, method = int(outcome.segments), Method(outcome.method)

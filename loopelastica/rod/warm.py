@@ -10,11 +10,15 @@ import gc
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+from loopelastica.rod._passes import climbs
+from loopelastica.rod._starts import TOLERANCE
 from loopelastica.rod.chain import deform_batch
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.continuation import continue_clamping, twist_end
+from loopelastica.rod.descent import ways_down
 from loopelastica.rod.kernels.code_store import shipped_folder, try_writing, user_folder
 from loopelastica.rod.kernels.portable import portable_environment
 from loopelastica.rod.solve import solve
@@ -44,7 +48,7 @@ def compile_solver() -> None:
 
 
 def compile_paths() -> None:
-    """Compile what continuation, the closed form and the writhe need."""
+    """Compile what continuation, barriers, the closed form and the writhe need."""
     rod = solve(Clamping.from_parameters(_SLACK))
     twist_end(rod, 0.1)
     continue_clamping(rod, Clamping.from_parameters((-0.4, -0.1, 0.52, 4.8, 1.4, 2.2)))
@@ -52,6 +56,10 @@ def compile_paths() -> None:
     continue_clamping(free, Clamping.from_parameters(_TOUCHING, free_spin=True))
     tense = solve(Clamping.from_parameters(_TENSE))
     continue_clamping(tense, Clamping.from_parameters((0.2, 0.1, 0.9743, 0.3, 0.8, 0.4)))
+    for each in (rod, free):
+        # as if it were a saddle
+        ways_down(replace(each, index=1))
+        list(climbs(each, TOLERANCE))
     assert rod.physical is not None
     rod.physical.clamping()
     rod.physical.loads()

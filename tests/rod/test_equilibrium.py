@@ -144,3 +144,10 @@ def test_frames_without_spin_differ_by_the_twist_of_the_torsion_ratio(rods):
         extra = rod.loads[5] * (1 / 0.7 - 1) * s
         spun = plain * Rotation.from_rotvec(np.outer(extra, [0, 0, 1]))
         assert (spun.inv() * full).magnitude().max() < 1e-9
+
+
+def test_turns_of_a_rod_whose_points_meet_to_rounding():
+    # two of the points that the writhe is taken of were 7e-18 apart
+    clamping = le.Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2]).reversed()
+    rods = le.equilibria(clamping, rounds=1)
+    assert all(isinstance(rod.turns, int) for rod in rods)

@@ -31,6 +31,7 @@ with event.install_recorder("numba:compile") as compiled:
         clamping = le.Clamping(places[k], frames[k], free_spin=k % 2)
         rods = le.equilibria(clamping, rounds=1)
         rods[0].poses_without_spin(3), rods[0].moment(3), rods[0].curvature(3)
+        le.barriers(rods)
         rod = le.solve(clamping, guess=rods[0].loads)
         rod.physical.centerline(4), rod.physical.frames(4), rod.net_winding, rod.writhe, rod.turns
         near = le.Clamping(0.999 * places[k], frames[k], free_spin=k % 2)

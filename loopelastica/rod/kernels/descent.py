@@ -13,13 +13,15 @@ method ends the descent.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from loopelastica._arrays import Array
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod, assemble, measure, new_hessian
 from loopelastica.rod.kernels.discrete_starts import first_moment
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.linalg import copy, copy_rows
+from loopelastica.rod.kernels.linalg import copy, copy_rows, inverse3
 from loopelastica.rod.kernels.minimization import (
     imbalance,
     l1,
@@ -33,13 +35,17 @@ from loopelastica.rod.kernels.rotations import turn
 
 # shifts: none, and the least that makes a difference
 _FLOOR, _SHIFT = 1e-6, 1.0
-# Newton steps from the poses of a rod to its discrete copy, and the turn that ends them
-_SETTLING, _NEAR = 4, 0.3
+# the same for modes that cost nothing
+_SOFTEST = 0.05
+# Newton steps from the poses of a rod to its discrete copy, and their largest turn
+_SETTLING, _NEAR = 20, 0.2
 # orthogonal iterations; halvings of the interval that holds −λ
 _ITERATIONS, _HALVINGS = 12, 5
+# steps that bring an end into place
+_CLOSINGS = 30
 # steps of a descent; the last Newton step of one; |constraint|₁ of a closed rod; an imbalance that
-# only an equilibrium has
-_STEPS, _SHORT, _CLOSED, _BALANCED = 400, 1e-2, 1e-4, 1e-6
+# only an equilibrium has; growth of the imbalance that tells that a saddle was passed
+_STEPS, _SHORT, _CLOSED, _BALANCED, _FASTER = 2000, 1e-2, 1e-4, 1e-6, 2.0
 
 
 @kernel
@@ -104,26 +110,34 @@ def unstable_modes(problem, k3, rod, force, modes):
 
 
 @kernel
-def _settle(problem, k3, rod, force, hessian, step):
-    """Newton's method, without a shift, to the next critical point; H at its end.
+def settle(problem, k3, rod, force, moment):
+    """Newton's method, without a shift, to the next critical point of the discrete energy.
 
-    A step that would go far is not made: the mesh is too coarse for it to mean anything.
+    Frames of ``rod`` and ``force`` (3,) in place; ``moment`` (3,) becomes M at s = 0.
     """
+    hessian = new_hessian(rod.s.shape[0] - 1, problem.free_spin)
+    _settle(problem, k3, rod, force, hessian, new_step(hessian.gradient.shape[0]))
+    first_moment(hessian.omega, rod.s, k3, moment)
+
+
+@kernel
+def _settle(problem, k3, rod, force, hessian, step):
+    """Newton's method, without a shift, to the next critical point; H at its end."""
     trial = DiscreteRod(rod.s, np.empty(rod.frames.shape))
     nothing, before = np.zeros(3), math.inf
     for _ in range(_SETTLING):
         measure(rod, problem.position, k3, hessian.omega, step.constraint)
         assemble(rod, k3, force, hessian)
         now = imbalance(hessian, force) + l1(step.constraint)
-        if not now < before or now < 1e-10:
+        if not now < 2.0 * before or now < 1e-10:
             break
-        before = now
+        before = min(now, before)
         _, _, _, largest = newton_step(hessian, rod.s, True, _FLOOR, step)
-        if not largest < _NEAR:
-            break
-        move(rod, step, 1.0, False, nothing, trial)
+        t = min(1.0, _NEAR / max(largest, 1e-300))
+        move(rod, step, t, False, nothing, trial)
         copy_rows(trial.frames, rod.frames)
-        copy(step.multiplier, force)
+        for i in range(3):
+            force[i] += t * (step.multiplier[i] - force[i])
     measure(rod, problem.position, k3, hessian.omega, step.constraint)
     assemble(rod, k3, force, hessian)
 
@@ -196,29 +210,99 @@ def displace(rod, mode, amount):
 
 
 @kernel
-def descend(problem, k3, rod, force, moment, shift, reach):
+def close(problem, k3, rod, force, reach):
+    """Bring the end of a discrete rod to the clamp by the smallest turns, frames in place.
+
+    ``force`` (3,) becomes the multiplier that balances the rod best. Returns |constraint|₁.
+    """
+    position, s, n = problem.position, rod.s, rod.s.shape[0] - 1
+    hessian, c = new_hessian(n, problem.free_spin), np.empty(3)
+    sides, gradient, nothing = hessian.sides, hessian.gradient, np.zeros(3)
+    lever, inverse, pull, b = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.empty(3)
+    norm = math.inf
+    for _ in range(_CLOSINGS):
+        measure(rod, position, k3, hessian.omega, c)
+        assemble(rod, k3, nothing, hessian)
+        norm = l1(c)
+        # the least-squares problem of Cᵀ, weighed with the segments' lengths
+        for i in range(3):
+            force[i] = 0.0
+            for j in range(3):
+                lever[i, j] = 0.0
+        for k in range(n):
+            weight = 1.0 / (s[k + 1] - s[k])
+            for a in range(3):
+                for i in range(3):
+                    force[i] += weight * sides[k, a, i] * gradient[k, a]
+                    for j in range(3):
+                        lever[i, j] += weight * sides[k, a, i] * sides[k, a, j]
+        inverse3(lever, inverse)
+        if norm < 0.01 * _CLOSED:
+            break
+        times(inverse, c, pull)
+        largest = 0.0
+        for k in range(n):
+            _turned_by(sides[k], pull, s[k + 1] - s[k], b)
+            largest = max(largest, b[0] ** 2 + b[1] ** 2 + b[2] ** 2)
+        share = min(1.0, reach / max(math.sqrt(largest), 1e-300))
+        for k in range(n):
+            _turned_by(sides[k], pull, s[k + 1] - s[k], b)
+            turn(rod.frames[k + 1], -share * b[0], -share * b[1], -share * b[2])
+    times(inverse, force, pull)
+    copy(pull, force)
+    return norm
+
+
+@kernel
+def _turned_by(side, pull, length, b):
+    """Cᵀ pull of one segment over its length, into ``b`` (3,)."""
+    for a in range(3):
+        b[a] = (side[a, 0] * pull[0] + side[a, 1] * pull[1] + side[a, 2] * pull[2]) / length
+
+
+class Passed(NamedTuple):
+    """Where a descent went slowest before it went faster again: next to a saddle."""
+
+    frames: Array
+    """(n + 2, 4)."""
+    load: Array
+    """(6,): F, and M at s = 0."""
+
+
+@kernel
+def descend(problem, k3, rod, force, moment, shift, reach, passed):
     """Follow the gradient flow from a discrete rod, its frames in place, to where it ends.
 
     ``force`` (3,) is a multiplier near the rod's and becomes that of the end, ``moment`` (3,)
     becomes M at s = 0 there. ``shift`` is one over the first step's time, ``reach`` the largest
-    turn of a frame in a step. Returns (arrived, energy, Morse index, steps): the index is that of
-    the discrete rod, above zero where the flow runs into another saddle.
+    turn of a frame in a step. Returns (arrived, energy, slowest): the imbalance at the place that
+    ``passed`` becomes, infinite if there is none.
     """
     position, s = problem.position, rod.s
     hessian = new_hessian(s.shape[0] - 1, problem.free_spin)
     omega, step = hessian.omega, new_step(hessian.gradient.shape[0])
     c, multiplier = step.constraint, step.multiplier
     trial, trial_c = DiscreteRod(s, np.empty(rod.frames.shape)), np.empty(3)
-    energy, last, mu = measure(rod, position, k3, omega, c), False, 0.0
-    for iteration in range(_STEPS):
+    slow = Passed(np.empty(rod.frames.shape), np.empty(6))
+    slowest, least, mu = math.inf, math.inf, 0.0
+    energy = measure(rod, position, k3, omega, c)
+    for _ in range(_STEPS):
         assemble(rod, k3, force, hessian)
-        norm_c = l1(c)
-        rest = imbalance(hessian, force)
-        last = norm_c < _CLOSED and rest < _BALANCED
-        if last:
-            index, _, _, _ = newton_step(hessian, s, True, _FLOOR, step)
-            first_moment(omega, s, k3, moment)
-            return True, energy, index, iteration
+        norm_c, rest = l1(c), imbalance(hessian, force)
+        first_moment(omega, s, k3, moment)
+        if norm_c < _CLOSED and rest < _BALANCED:
+            return True, energy, slowest
+        if rest < least:
+            least = rest
+            _keep_place(rod, force, moment, slow)
+        elif rest > _FASTER * least:
+            index, _, _, _ = newton_step(hessian, s, True, _SOFTEST, step)
+            # else it is a saddle of a higher index, or Newton's method overshoots near the end
+            if index == 1 and least < slowest:
+                slowest = least
+                _keep_place(DiscreteRod(s, slow.frames), slow.load[:3], slow.load[3:], passed)
+            least = rest
+            _keep_place(rod, force, moment, slow)
         if shift < _SHIFT:
             shift = _FLOOR
         _, shift, downhill, largest = newton_step(hessian, s, False, shift, step)
@@ -234,16 +318,13 @@ def descend(problem, k3, rod, force, moment, shift, reach):
             omega, trial, trial_c,
         )  # fmt: skip
         if not taken > 0.0:
-            if largest < _SHORT and norm_c < _CLOSED:
-                # rounding hides what is left
-                index, _, _, _ = newton_step(hessian, s, True, _FLOOR, step)
-                measure(rod, position, k3, omega, c)
-                first_moment(omega, s, k3, moment)
-                return True, energy, index, iteration
-            shift = 4.0 * max(_SHIFT, shift)
             measure(rod, position, k3, omega, c)
-            if shift > 1e12:
-                return False, math.inf, 0, iteration
+            if shift < _SHIFT and largest < _SHORT and norm_c < _CLOSED:
+                # rounding hides what is left
+                return True, energy, slowest
+            shift = 4.0 * max(_SHIFT, shift)
+            if not shift < 1e12:
+                break
             continue
         if taken < t:
             shift = 2.0 * max(_SHIFT, shift)
@@ -254,4 +335,12 @@ def descend(problem, k3, rod, force, moment, shift, reach):
             force[i] += taken * (multiplier[i] - force[i])
         copy(trial_c, c)
         copy_rows(trial.frames, rod.frames)
-    return False, math.inf, 0, _STEPS
+    return False, math.inf, slowest
+
+
+@kernel
+def _keep_place(rod, force, moment, place):
+    """Copy where a descent is."""
+    copy_rows(rod.frames, place.frames)
+    for i in range(3):
+        place.load[i], place.load[3 + i] = force[i], moment[i]
