@@ -62,8 +62,9 @@ from loopelastica.rod.kernels.rotations import align, end_turn, tangent
 
 SHOOTING = int(Method.SHOOTING)
 
-# 1 − |r| above which half the segments do; what hinge energies may be off by
-_SHORTENED, _MARGIN = 0.15, 0.05
+# 1 − |r| above which a quarter of the segments does to begin with, below it half; what hinge
+# energies may be off by, and how far above the lowest of them a start is given up on its way
+_SHORTENED, _MARGIN, _HOPELESS = 0.15, 0.05, 0.3
 
 # 1 − |r| below which useless starts are recognized beforehand; cosine of an end tangent that
 # opposes the chord
@@ -185,8 +186,11 @@ def _new_halfway(count, segments):
 
 
 @kernel
-def _discrete_rod(problem, torsion_ratio, start, rod, load):
-    """The discrete rod of one start: its energy, or inf; ``load`` (6,) is F and M at s = 0."""
+def _discrete_rod(problem, torsion_ratio, start, rod, load, ceiling):
+    """The discrete rod of one start: its energy, or inf; ``load`` (6,) is F and M at s = 0.
+
+    One of an energy above ``ceiling`` need not be found.
+    """
     force, moment = np.empty(3), np.empty(3)
     start_frames(problem, start, rod, force)
     if not start.minimized:
@@ -197,7 +201,7 @@ def _discrete_rod(problem, torsion_ratio, start, rod, load):
         return 0.0
     if start.bow > 0.0:
         bow(rod, start.bow, 1)
-    found, energy, _, _ = minimize(problem, torsion_ratio, rod, force, moment)
+    found, energy, _, _ = minimize(problem, torsion_ratio, rod, force, moment, ceiling)
     for c in range(3):
         load[c], load[3 + c] = force[c], moment[c]
     return energy if found else math.inf
@@ -231,8 +235,8 @@ def _worthwhile(problem, start):
 
 
 @kernel
-def _begin(problem, minimized_ratio, start, halfway, i):
-    """Half way from a start, into row ``i`` of ``halfway``."""
+def _begin(problem, minimized_ratio, start, halfway, i, ceiling):
+    """Half way from a start, into row ``i`` of ``halfway``; see `_discrete_rod`."""
     layers, load = halfway.layers[i], halfway.load[i]
     plain = start.minimized and start.bow == 0.0
     layered = plain and solve_layers(problem, start, layers)
@@ -247,7 +251,7 @@ def _begin(problem, minimized_ratio, start, halfway, i):
         halfway.energy[i] = layers_energy(layers, problem.torsion_ratio)
         return
     rod = DiscreteRod(halfway.s[i], halfway.frames[i])
-    energy = _discrete_rod(problem, minimized_ratio, start, rod, load)
+    energy = _discrete_rod(problem, minimized_ratio, start, rod, load, ceiling)
     halfway.kind[i] = DISCRETE_ROD if energy < math.inf else NONE
     halfway.energy[i] = energy
 
@@ -269,10 +273,15 @@ def _finish(problem, minimized_ratio, start, halfway, i, solution):
             # what the discrete rod is minimized at is then far from what is sought
             return Outcome(NONE, math.inf, math.inf, 0)
     if halfway.kind[i] != DISCRETE_ROD and not (
-        _discrete_rod(problem, minimized_ratio, start, rod, load) < math.inf
+        _discrete_rod(problem, minimized_ratio, start, rod, load, math.inf) < math.inf
     ):
         return Outcome(NONE, math.inf, math.inf, 0)
-    return refine_discrete_rod(problem, minimized_ratio, start.minimized, rod, load, solution)
+    outcome = refine_discrete_rod(problem, minimized_ratio, start.minimized, rod, load, solution)
+    if outcome.method == NONE and start.minimized and rod.s.shape[0] - 1 < SEGMENTS:
+        rod = DiscreteRod(np.empty(SEGMENTS + 1), np.empty((SEGMENTS + 2, 4)))
+        if _discrete_rod(problem, minimized_ratio, start, rod, load, math.inf) < math.inf:
+            outcome = refine_discrete_rod(problem, minimized_ratio, True, rod, load, solution)
+    return outcome
 
 
 @kernel
@@ -294,18 +303,21 @@ def _run_starts(problem, search, solution):
     solution.
     """
     starts, retries, lowest = search.starts, search.retries, search.lowest
-    # half of the segments lose minima that are about to vanish in a fold
-    n = SEGMENTS // 2 if search.sparing and problem.shortening > _SHORTENED else SEGMENTS
+    n = SEGMENTS
+    if search.sparing:
+        n = SEGMENTS // 4 if problem.shortening > _SHORTENED else SEGMENTS // 2
     count = starts.shape[0]
     ratio = _minimized_ratio(problem.torsion_ratio)
     halfway, ended = _new_halfway(count, n), np.zeros(count, np.bool_)
     energies = halfway.energy
     trial = _new_solution()
-    best = Outcome(NONE, math.inf, math.inf, 0)
+    best, ceiling = Outcome(NONE, math.inf, math.inf, 0), math.inf
     for i in range(count):
         if search.sparing and not _worthwhile(problem, starts[i]):
             continue
-        _begin(problem, ratio, starts[i], halfway, i)
+        _begin(problem, ratio, starts[i], halfway, i, ceiling)
+        if lowest and search.sparing:
+            ceiling = min(ceiling, energies[i] * (1.0 + _HOPELESS) + 1.0)
         if lowest or halfway.kind[i] == NONE:
             continue
         best = _keep(_finish(problem, ratio, starts[i], halfway, i, trial), best, trial, solution)
@@ -324,14 +336,14 @@ def _run_starts(problem, search, solution):
             continue
         ended[i] = True
         best = _keep(_finish(problem, ratio, starts[i], halfway, i, trial), best, trial, solution)
-    again = _new_halfway(1, n)
+    again = _new_halfway(1, SEGMENTS)
     rod, load = DiscreteRod(again.s[0], again.frames[0]), again.load[0]
     for i in range(retries.shape[0]):
         if best.method != NONE:
             break
         # first the narrow valley itself, where the ratio is large
         for trial_ratio in (problem.torsion_ratio, ratio):
-            if _discrete_rod(problem, trial_ratio, retries[i], rod, load) < math.inf:
+            if _discrete_rod(problem, trial_ratio, retries[i], rod, load, math.inf) < math.inf:
                 outcome = refine_discrete_rod(problem, trial_ratio, True, rod, load, trial)
                 best = _keep(outcome, best, trial, solution)
             if best.method != NONE or problem.torsion_ratio == ratio:

@@ -22,7 +22,7 @@ def test_the_discrete_rod_reaches_a_minimum_from_every_pose(
         here = problem(le.Clamping(position, rotation, free_spin), torsion_ratio)
         rod, force, moment = discrete_rod(64), np.zeros(3), np.zeros(3)
         start_frames(here, start(), rod, force)
-        found, energy, index, iterations = minimize(here, torsion_ratio, rod, force, moment)
+        found, energy, index, iterations = minimize(here, torsion_ratio, rod, force, moment, np.inf)
         assert found
         assert index == 0
         assert 0 < energy < math.inf
@@ -37,7 +37,7 @@ def test_energy_force_and_moment_are_nearly_those_of_the_rod(problem, start, dis
     rod, force, moment = discrete_rod(64), np.zeros(3), np.zeros(3)
     here = problem(clamping, 0.7)
     start_frames(here, start(), rod, force)
-    found, energy, _, _ = minimize(here, 0.7, rod, force, moment)
+    found, energy, _, _ = minimize(here, 0.7, rod, force, moment, np.inf)
     assert found
     # 64 segments: within a hundredth
     assert energy == pytest.approx(exact.energy, rel=1e-2)
