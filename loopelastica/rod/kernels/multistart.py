@@ -64,7 +64,7 @@ SHOOTING = int(Method.SHOOTING)
 
 # 1 − |r| above which a quarter of the segments does to begin with, below it half; what hinge
 # energies may be off by, and how far above the lowest of them a start is given up on its way
-_SHORTENED, _MARGIN, _HOPELESS = 0.15, 0.05, 0.3
+_SHORTENED, _MARGIN, _HOPELESS = 0.15, 0.02, 0.3
 
 # 1 − |r| below which useless starts are recognized beforehand; cosine of an end tangent that
 # opposes the chord
@@ -328,7 +328,7 @@ def _run_starts(problem, search, solution):
         for j in range(1, count):
             if energies[j] < energies[i]:
                 i = j
-        # they are off by about a hundredth
+        # those of hinges are too low by some hundredths, hardly ever too high
         if not energies[i] < best.energy * (1.0 + _MARGIN) + _MARGIN:
             break
         energies[i] = math.inf
