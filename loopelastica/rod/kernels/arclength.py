@@ -27,10 +27,10 @@ from loopelastica.rod.kernels.multiple_shooting import (
     forward,
     mismatch,
     new_elimination,
-    new_space,
 )
 from loopelastica.rod.kernels.records import Problem
 from loopelastica.rod.kernels.rotations import cross, exponential, product, tangent
+from loopelastica.rod.kernels.segments import new_space
 
 # a predictor that moves a node further (in L or radian) is not worth correcting
 _FURTHEST = 1.2

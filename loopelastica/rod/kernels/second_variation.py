@@ -22,12 +22,8 @@ import numpy as np
 from loopelastica.rod.kernels.discrete_rod import assemble, factor, measure, new_hessian
 from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.linalg import eliminate, negative_eigenvalues
-from loopelastica.rod.kernels.multiple_shooting import (
-    integrate_segment,
-    new_space,
-    segment_rows,
-)
 from loopelastica.rod.kernels.rotations import matrix_from_quaternion
+from loopelastica.rod.kernels.segments import integrate_segment, new_space, segment_rows
 from loopelastica.rod.kernels.shooting import WITH_JACOBIAN
 
 
