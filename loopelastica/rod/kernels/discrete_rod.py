@@ -119,13 +119,10 @@ def assemble(rod, k3, force, hessian):
 @kernel
 def clear(hessian):
     """Set all but ``omega`` to zero."""
-    for k in range(hessian.gradient.shape[0]):
-        for i in range(3):
-            hessian.gradient[k, i] = 0.0
-            for j in range(3):
-                hessian.diagonal[k, i, j] = 0.0
-                hessian.upper[k, i, j] = 0.0
-                hessian.sides[k, i, j] = 0.0
+    hessian.gradient.fill(0.0)
+    hessian.diagonal.fill(0.0)
+    hessian.upper.fill(0.0)
+    hessian.sides.fill(0.0)
 
 
 @kernel

@@ -43,3 +43,22 @@ def test_energy_force_and_moment_are_nearly_those_of_the_rod(problem, start, dis
     assert energy == pytest.approx(exact.energy, rel=1e-2)
     size = np.abs(exact.loads).max()
     np.testing.assert_allclose(np.concatenate([force, moment]), exact.loads, atol=2e-2 * size)
+
+
+def test_a_rod_on_its_way_above_the_ceiling_is_given_up(rng, problem, start, discrete_rod):
+    for position, rotation in zip(*pose_drawn(rng, 10, high=0.85), strict=True):
+        here = problem(le.Clamping(position, rotation), 1.0)
+
+        def minimized(ceiling, here=here):
+            rod, force, moment = discrete_rod(16), np.zeros(3), np.zeros(3)
+            start_frames(here, start(), rod, force)
+            found, energy, _, iterations = minimize(here, 1.0, rod, force, moment, ceiling)
+            return found, energy, iterations
+
+        found, energy, iterations = minimized(np.inf)
+        assert found
+        # one below is found as if there were none
+        assert minimized(1.01 * energy) == (found, energy, iterations)
+        given_up = minimized(0.5 * energy)
+        assert given_up[:2] == (False, math.inf)
+        assert given_up[2] <= iterations

@@ -5,11 +5,16 @@ from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica.rod.kernels.multiple_shooting import (
+    _end_rows,
+    _step,
+    forward,
+    forward_again,
     mismatch,
-    new_space,
+    new_elimination,
     refine,
 )
 from loopelastica.rod.kernels.records import Nodes
+from loopelastica.rod.kernels.segments import new_space
 
 # kernels that Python does not call otherwise are compiled one by one
 pytestmark = pytest.mark.slow
@@ -47,3 +52,24 @@ def test_a_start_too_far_off_ends_without_a_residual(rng, problem):
     )
     assert np.isinf([residual, energy]).all()
     assert iterations < 14
+
+
+def test_a_chord_where_the_factors_are_of_is_the_newton_step(rng, problem):
+    position, rotation = (a[0] for a in load_drawn(rng, 1))
+    clamping = le.Clamping(position, rotation)
+    rod = le.solve(clamping)
+    s = np.linspace(0, 1, 9)
+    nodes = Nodes(s, rod.poses_without_spin(s))
+    nodes.pose[1:-1, :3] += 1e-3 * rng.normal(size=(7, 3))
+    g, here = rod.loads.copy(), problem(clamping, 1.0)
+    room, space = new_elimination(8, np.full(6, 10.0)), new_space()
+    steps = []
+    for eliminate in (forward, forward_again):
+        x, dg = np.empty((9, 6)), np.empty(6)
+        worst = eliminate(nodes, g, False, 3.0, room, space)
+        if eliminate is forward:
+            _end_rows(here, nodes, room)
+        _step(here, nodes, 1e-12, room, x, dg)
+        steps.append((worst, x, dg))
+    for one, other in zip(*steps, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-8, atol=1e-11)
