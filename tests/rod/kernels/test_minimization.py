@@ -46,6 +46,7 @@ def test_energy_force_and_moment_are_nearly_those_of_the_rod(problem, start, dis
 
 
 def test_a_rod_on_its_way_above_the_ceiling_is_given_up(rng, problem, start, discrete_rod):
+    given_up = 0
     for position, rotation in zip(*pose_drawn(rng, 10, high=0.85), strict=True):
         here = problem(le.Clamping(position, rotation), 1.0)
 
@@ -59,6 +60,10 @@ def test_a_rod_on_its_way_above_the_ceiling_is_given_up(rng, problem, start, dis
         assert found
         # one below is found as if there were none
         assert minimized(1.01 * energy) == (found, energy, iterations)
-        given_up = minimized(0.5 * energy)
-        assert given_up[:2] == (False, math.inf)
-        assert given_up[2] <= iterations
+        # one above is given up, unless it has arrived before
+        outcome = minimized(0.5 * energy)
+        if outcome != (found, energy, iterations):
+            given_up += 1
+            assert outcome[:2] == (False, math.inf)
+            assert outcome[2] < iterations
+    assert given_up > 3
