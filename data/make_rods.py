@@ -2,10 +2,11 @@
 
     python data/make_rods.py
 
-Half of the rods have random moderate loads, half are the lowest equilibria of random poses, so that
+Some of the rods have random moderate loads, more are the lowest equilibria of random poses, so that
 a pose nearby usually leads to its own lowest equilibrium. The arrays ``clamped`` and ``free``
-(n, 13), with and without end spin, hold loads, position and quaternion for K30 = 1, in single
-precision: they are guesses.
+(n, 13), with and without end spin, hold loads, position and quaternion for K30 = 1 as whole
+multiples of small units: they are guesses. Poses of clamped ends have a dimension more and need
+more rods.
 """
 
 from pathlib import Path
@@ -14,9 +15,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import loopelastica as le
+from loopelastica.rod._library import UNITS
 from loopelastica.rod.kernels.shooting import ends
 
-SEED, SIZE = 20180717, 40_000
+SEED = 20180717
+# rods of random loads, and random poses: with the end clamped, and free to spin
+SIZES = {False: (30_000, 90_000), True: (20_000, 20_000)}
 # |F| beyond which no pose nearby was reached from stored loads: errors of those grow like exp √F
 SHOOTABLE = 60.0
 LARGEST_MOMENT = 12.0
@@ -41,20 +45,22 @@ def draw_lowest(size, free_spin, rng):
     return batch.loads[keep]
 
 
-def make(free_spin, size=SIZE, seed=SEED):
-    """Rods (at most size, 13): loads, position and quaternion of the end."""
+def make(free_spin, sizes=SIZES, seed=SEED):
+    """Rods (at most as many as ``sizes`` say, 13): loads, position and quaternion of the end."""
     rng = np.random.default_rng(seed)
-    drawn = draw_loads(size // 2, rng)
+    by_loads, by_poses = sizes[free_spin]
+    drawn = draw_loads(by_loads, rng)
     if free_spin:
         drawn[:, 5] = 0.0
-    loads = np.concatenate([drawn, draw_lowest(size - size // 2, free_spin, rng)])
-    return np.hstack([loads, *ends(loads, 1.0, 3.0)]).astype(np.float32)
+    loads = np.concatenate([drawn, draw_lowest(by_poses, free_spin, rng)])
+    loads = UNITS[:6] * np.rint(loads / UNITS[:6])
+    return np.rint(np.hstack([loads, *ends(loads, 1.0, 3.0)]) / UNITS).astype(np.int16)
 
 
-def write(path, size=SIZE, seed=SEED):
+def write(path, sizes=SIZES, seed=SEED):
     """Write the file, whole or not at all."""
     part = path.with_suffix(".part.npz")
-    np.savez_compressed(part, clamped=make(False, size, seed), free=make(True, size, seed))
+    np.savez_compressed(part, clamped=make(False, sizes, seed), free=make(True, sizes, seed))
     part.replace(path)
 
 

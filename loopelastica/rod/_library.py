@@ -10,8 +10,8 @@ neighbours apart at their seams. A KD-tree returns the nearest rods, whose loads
 the target's own angle. Other torsion ratios only spin the end frames (K30 never changes the
 center line of given loads), so each ratio has its own tree, built when it is first needed.
 
-The file ships in single precision, being guesses; ``data/make_rods.py`` computes it anew and says
-which rods it holds.
+The file holds whole multiples of `UNITS`, being guesses; ``data/make_rods.py`` computes it anew and
+says which rods it holds.
 """
 
 import functools
@@ -32,6 +32,8 @@ _WEIGHT = 0.5
 # distances grow by a thousandth
 _LAX = 0.6
 _FILE = "rods.npz"
+# of the stored loads, in K0/L² and K0/L, and of positions and quaternions, which are at most one
+UNITS = np.array([1.0 / 256.0] * 6 + [1.0 / 32767.0] * 7)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +101,8 @@ def pose_points(positions: Array, rotations: Array, free_spin: bool) -> tuple[Ar
 @functools.lru_cache(maxsize=2)
 def _stored(free_spin: bool) -> Array:
     with np.load(data_path(_FILE)) as archive:
-        return np.asarray(archive["free" if free_spin else "clamped"], dtype=np.float64)
+        stored: Array = archive["free" if free_spin else "clamped"] * UNITS
+    return stored
 
 
 @functools.lru_cache(maxsize=4)

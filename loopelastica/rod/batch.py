@@ -34,9 +34,9 @@ from loopelastica.rod.solve import by_detour
 _CHUNK = 256
 # rods of the guess library tried for each row, and how near they must be: further ones lead
 # nowhere more often than they spare the standard starts
-_NEIGHBOURS, _NEAR = 6, 0.24
+_NEIGHBOURS, _NEAR = 6, 0.16
 # Newton steps that a stored rod is given to come near: one that needs more seldom does
-_HASTE = 4
+_HASTE = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from loopelastica.rod._library import _stored, stored_rods
+from loopelastica.rod._library import UNITS, _stored, stored_rods
 from loopelastica.rod.kernels.shooting import ends
 
 TOOL = Path(__file__).resolve().parents[2] / "data" / "make_rods.py"
@@ -52,24 +52,26 @@ def test_no_rod_is_known_where_none_is_near():
 
 
 def test_the_tool_draws_loads_as_the_shipped_file_has_them(make_rods):
-    drawn = make_rods.draw_loads(make_rods.SIZE // 2, np.random.default_rng(make_rods.SEED))
     for free_spin in (False, True):
+        count = make_rods.SIZES[free_spin][0]
+        drawn = make_rods.draw_loads(count, np.random.default_rng(make_rods.SEED))
         shipped = _stored(free_spin)[: len(drawn), :6]
         expected = drawn * [1, 1, 1, 1, 1, not free_spin]
-        np.testing.assert_array_equal(shipped, expected.astype(np.float32))
+        np.testing.assert_allclose(shipped, expected, rtol=0.0, atol=0.501 * UNITS[0])
 
 
 def test_the_tool_writes_rods_that_reach_their_poses(make_rods, tmp_path):
-    make_rods.write(tmp_path / "rods.npz", size=12, seed=3)
+    make_rods.write(tmp_path / "rods.npz", {False: (6, 6), True: (6, 6)}, seed=3)
     assert [path.name for path in tmp_path.iterdir()] == ["rods.npz"]
     with np.load(tmp_path / "rods.npz") as archive:
         for name in ("clamped", "free"):
-            rods = archive[name]
+            assert archive[name].dtype == np.int16
+            rods = archive[name] * UNITS
             assert rods.shape[1] == 13
             assert 6 < len(rods) <= 12
-            positions, quaternions = ends(rods[:, :6].astype(np.float64), 1.0, 3.0)
+            positions, quaternions = ends(rods[:, :6].copy(), 1.0, 3.0)
             np.testing.assert_allclose(positions, rods[:, 6:9], atol=1e-3)
             assert np.abs((quaternions * rods[:, 9:]).sum(1)).min() > 1 - 1e-5
         assert not archive["free"][:6, 5].any()
         # the second half are lowest rods of slack poses
-        assert np.linalg.norm(archive["clamped"][6:, 6:9], axis=1).max() < 0.95 + 1e-6
+        assert np.linalg.norm(archive["clamped"][6:, 6:9] * UNITS[6], axis=1).max() < 0.9501

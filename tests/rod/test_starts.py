@@ -15,7 +15,7 @@ from loopelastica.rod._starts import (
     standard_starts,
     straight,
 )
-from loopelastica.rod.kernels.records import START, Method, Start, Status
+from loopelastica.rod.kernels.records import START, Method, Start, Status, starts_array
 
 
 def test_a_deadline_passes_when_its_time_is_over(monkeypatch):
@@ -39,7 +39,28 @@ def test_tables_of_starts_begin_with_the_plain_one():
     # twist costs next to nothing: more turns
     assert set(soft["turns"]) > set(plain["turns"]) == {0.0, 1.0, -1.0}
     assert set(free["turns"]) == {0.0}
-    np.testing.assert_array_equal(standard_starts(0.1, False), plain)
+    np.testing.assert_array_equal(standard_starts(0.1, False), standard_starts(10.0, False))
+    # near K30 = 1 some of the others are left out
+    assert set(plain.tolist()) < set(standard_starts(0.1, False).tolist())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("torsion_ratio", "free_spin"), [(1.0, False), (1.5, False), (1.0, True)])
+def test_starts_that_are_left_out_lead_to_no_lower_rod(rng, torsion_ratio, free_spin):
+    from loopelastica.rod import batch
+
+    poses = pose_drawn(rng, 300, 0.0, 0.98)
+    energy = le.solve_batch(*poses, torsion_ratio, free_spin).energy
+    every = np.concatenate(
+        [
+            standard_starts(0.05, False),
+            starts_array((Start(over_0=True, over_1=True), Start(bow=1.5))),
+        ]
+    )
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(batch, "standard_starts", lambda *_: every)
+        of_all = le.solve_batch(*poses, torsion_ratio, free_spin).energy
+    np.testing.assert_allclose(energy, of_all, rtol=1e-6)
 
 
 @pytest.mark.parametrize("limits", [(1e-11, 1e-3)])

@@ -22,15 +22,15 @@ from loopelastica._arrays import Array
 from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.linalg import solve_deficient
 from loopelastica.rod.kernels.multiple_shooting import (
-    Elimination,
     apply,
     backward,
     forward,
     mismatch,
-    new_space,
+    new_elimination,
 )
 from loopelastica.rod.kernels.records import Problem
 from loopelastica.rod.kernels.rotations import cross, exponential, product, tangent
+from loopelastica.rod.kernels.segments import new_space
 
 # a predictor that moves a node further (in L or radian) is not worth correcting
 _FURTHEST = 1.2
@@ -154,7 +154,7 @@ def corrected_step(motion, nodes, g, condition, most, direction):
         The mismatch on another mesh, infinite if there is no convergence; Newton steps made.
     """
     m, scale, node_pose = nodes.s.shape[0] - 1, condition.scale, nodes.pose
-    room, space = Elimination(np.zeros((12, 19)), np.empty((m, 6, 19)), scale), new_space()
+    room, space = new_elimination(m, scale), new_space()
     a, w, steps = np.empty((8, 9)), np.empty((2, 6)), np.empty((2, 7))
     x, last, clamp, p = np.empty((m + 1, 6)), np.empty(6), np.empty(4), np.empty(3)
     # the clamp as a problem: its arrays are filled as it moves

@@ -24,7 +24,7 @@ import numpy as np
 from loopelastica._arrays import Array
 from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.linalg import inverse3, negative_eigenvalues
-from loopelastica.rod.kernels.rotations import cross, directors, logarithm, product, tangent
+from loopelastica.rod.kernels.rotations import cross, directors, logarithm, product
 
 
 class DiscreteRod(NamedTuple):
@@ -75,17 +75,18 @@ def measure(rod, position, k3, omega, c):
     n = s.shape[0] - 1
     c[0], c[1], c[2] = -position[0], -position[1], -position[2]
     for j in range(n + 1):
-        hinge_vector(frames[j], frames[j + 1], omega[j])
-        h = hinge_length(s, j)
-        energy += (
-            omega[j, 0] * omega[j, 0] + omega[j, 1] * omega[j, 1] + k3 * omega[j, 2] * omega[j, 2]
-        ) / (2.0 * h)
+        w, a, b, d = frames[j + 1, 0], frames[j + 1, 1], frames[j + 1, 2], frames[j + 1, 3]
+        x, y, z = logarithm(
+            *product(frames[j, 0], -frames[j, 1], -frames[j, 2], -frames[j, 3], w, a, b, d)
+        )
+        omega[j, 0], omega[j, 1], omega[j, 2] = x, y, z
+        energy += (x * x + y * y + k3 * z * z) / (2.0 * hinge_length(s, j))
         if j < n:
-            length = s[j + 1] - s[j]
-            tx, ty, tz = tangent(frames[j + 1])
-            c[0] += length * tx
-            c[1] += length * ty
-            c[2] += length * tz
+            # d3 of the segment
+            length = 2.0 * (s[j + 1] - s[j])
+            c[0] += length * (a * d + w * b)
+            c[1] += length * (b * d - w * a)
+            c[2] += length * (0.5 - a * a - b * b)
     return energy
 
 
@@ -118,13 +119,10 @@ def assemble(rod, k3, force, hessian):
 @kernel
 def clear(hessian):
     """Set all but ``omega`` to zero."""
-    for k in range(hessian.gradient.shape[0]):
-        for i in range(3):
-            hessian.gradient[k, i] = 0.0
-            for j in range(3):
-                hessian.diagonal[k, i, j] = 0.0
-                hessian.upper[k, i, j] = 0.0
-                hessian.sides[k, i, j] = 0.0
+    hessian.gradient.fill(0.0)
+    hessian.diagonal.fill(0.0)
+    hessian.upper.fill(0.0)
+    hessian.sides.fill(0.0)
 
 
 @kernel

@@ -22,29 +22,28 @@ from loopelastica.rod.kernels.rotations import (
     wrap,
 )
 
+# Newton steps for a node, and the error of its place that is none
+_NODE_STEPS, _NODE_ERROR = 20, 1e-9
+
 
 @kernel
 def graded_nodes(root, s):
     """Arc lengths s (n + 1,) with density 1 + (q/2)(e^(−qs) + e^(−q(1−s))), q = √F/2."""
     n = s.shape[0] - 1
     q = 0.5 * root
-    total = 1.0 + (1.0 - math.exp(-q))
-    low = 0.0
-    for i in range(n + 1):
+    whole = math.exp(-q)
+    total, at = 2.0 - whole, 0.0
+    for i in range(1, n // 2 + 1):
+        # the integral of the density is concave up to the middle: Newton's method from the node
+        # before stays on its side
         share = total * i / n
-        high = 1.0
-        a = low
-        for _ in range(26):
-            middle = 0.5 * (a + high)
-            value = middle + 0.5 * (
-                1.0 - math.exp(-q * middle) + math.exp(-q * (1.0 - middle)) - math.exp(-q)
-            )
-            if value < share:
-                a = middle
-            else:
-                high = middle
-        s[i] = 0.5 * (a + high)
-        low = a
+        for _ in range(_NODE_STEPS):
+            near, far = math.exp(-q * at), math.exp(-q * (1.0 - at))
+            lack = share - at - 0.5 * (1.0 - near + far - whole)
+            at += lack / (1.0 + 0.5 * q * (near + far))
+            if lack < _NODE_ERROR:
+                break
+        s[i], s[n - i] = at, 1.0 - at
     s[0], s[n] = 0.0, 1.0
 
 

@@ -8,7 +8,7 @@ kept here because loading scipy.integrate takes longer than solving a thousand r
 from loopelastica.rod.kernels.jit import kernel
 
 STAGES = 12
-# slopes of a state of up to this size lie that far apart in ``k``
+# size of a state; its slopes lie that far apart in ``k``
 STRIDE = 43
 
 # Ai_j is what stage i takes of slope j; the others are zero. Names rather than a table: numba would
@@ -74,7 +74,7 @@ B_11 = 0.04471061572777259
 
 
 @kernel
-def stage(y, z, k, i, h, size):
+def stage(y, z, k, i, h):
     """State of stage ``i`` from the slopes before it, z = y + h Σ Ai_j k_j; of the end for 12.
 
     Written out, since a loop over j with its zeros takes four times as long. ``z`` may be ``y``.
@@ -82,22 +82,22 @@ def stage(y, z, k, i, h, size):
     compiler inlines this, and so on the process.
     """
     if i == 1:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (A1_0 * k[c])
     elif i == 2:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (A2_0 * k[c] + A2_1 * k[STRIDE + c])
     elif i == 3:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (A3_0 * k[c] + A3_2 * k[2 * STRIDE + c])
     elif i == 4:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (A4_0 * k[c] + A4_2 * k[2 * STRIDE + c] + A4_3 * k[3 * STRIDE + c])
     elif i == 5:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (A5_0 * k[c] + A5_3 * k[3 * STRIDE + c] + A5_4 * k[4 * STRIDE + c])
     elif i == 6:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (
                 A6_0 * k[c]
                 + A6_3 * k[3 * STRIDE + c]
@@ -105,7 +105,7 @@ def stage(y, z, k, i, h, size):
                 + A6_5 * k[5 * STRIDE + c]
             )
     elif i == 7:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (
                 A7_0 * k[c]
                 + A7_3 * k[3 * STRIDE + c]
@@ -114,7 +114,7 @@ def stage(y, z, k, i, h, size):
                 + A7_6 * k[6 * STRIDE + c]
             )
     elif i == 8:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (
                 A8_0 * k[c]
                 + A8_3 * k[3 * STRIDE + c]
@@ -124,7 +124,7 @@ def stage(y, z, k, i, h, size):
                 + A8_7 * k[7 * STRIDE + c]
             )
     elif i == 9:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (
                 A9_0 * k[c]
                 + A9_3 * k[3 * STRIDE + c]
@@ -135,7 +135,7 @@ def stage(y, z, k, i, h, size):
                 + A9_8 * k[8 * STRIDE + c]
             )
     elif i == 10:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (
                 A10_0 * k[c]
                 + A10_3 * k[3 * STRIDE + c]
@@ -147,7 +147,7 @@ def stage(y, z, k, i, h, size):
                 + A10_9 * k[9 * STRIDE + c]
             )
     elif i == 11:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (
                 A11_0 * k[c]
                 + A11_3 * k[3 * STRIDE + c]
@@ -160,7 +160,7 @@ def stage(y, z, k, i, h, size):
                 + A11_10 * k[10 * STRIDE + c]
             )
     else:
-        for c in range(size):
+        for c in range(STRIDE):
             z[c] = y[c] + h * (
                 B_0 * k[c]
                 + B_5 * k[5 * STRIDE + c]

@@ -26,13 +26,15 @@ from loopelastica.rod.kernels.discrete_rod import (
 from loopelastica.rod.kernels.discrete_starts import bow, first_moment
 from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.linalg import copy, copy_rows, inverse3, negative_eigenvalues
-from loopelastica.rod.kernels.rotations import larger, turn
+from loopelastica.rod.kernels.rotations import larger, product
 
 _ITERATIONS = 200
 # largest turn of a frame in one step, and of a step that is cut to it rather than shifted
 _STEP, _RADIUS = 1.0, 3.0
 # shifts of H: always; the least that makes a difference
 _FLOOR, _SHIFT = 1e-6, 4.0
+# largest turn of a step, with H as it is, that tells the energy it leads to
+_SHORT = 0.3
 # |constraint|₁ and imbalance of a rod that multiple shooting refines
 _CLOSED, _BALANCED = 1e-4, 1e-3
 
@@ -195,30 +197,38 @@ def l1(c):
 
 @kernel
 def move(rod, step, t, corrected, extra, trial):
-    """Fill ``trial`` with frames exp(t b), or frames exp(t b + W extra) with W = H⁻¹ Cᵀ."""
-    frames, b, x = rod.frames, step.b, step.x
+    """Fill ``trial`` with the frames turned by t b, or by t b + W extra with W = H⁻¹ Cᵀ.
+
+    By Cayley's map, which is exp to second order: as good for Newton's method, and without sines.
+    """
+    frames, b, basis, moved = rod.frames, step.b, step.x, trial.frames
     last = frames.shape[0] - 1
     for c in range(4):
-        trial.frames[0, c] = frames[0, c]
-        trial.frames[last, c] = frames[last, c]
+        moved[0, c] = frames[0, c]
+        moved[last, c] = frames[last, c]
     for k in range(b.shape[0]):
         v0, v1, v2 = t * b[k, 0], t * b[k, 1], t * b[k, 2]
         if corrected:
             for j in range(3):
-                v0 += x[k, 0, 1 + j] * extra[j]
-                v1 += x[k, 1, 1 + j] * extra[j]
-                v2 += x[k, 2, 1 + j] * extra[j]
-        for c in range(4):
-            trial.frames[k + 1, c] = frames[k + 1, c]
-        turn(trial.frames[k + 1], v0, v1, v2)
+                v0 += basis[k, 0, 1 + j] * extra[j]
+                v1 += basis[k, 1, 1 + j] * extra[j]
+                v2 += basis[k, 2, 1 + j] * extra[j]
+        w, x, y, z = product(
+            frames[k + 1, 0], frames[k + 1, 1], frames[k + 1, 2], frames[k + 1, 3],
+            1.0, 0.5 * v0, 0.5 * v1, 0.5 * v2,
+        )  # fmt: skip
+        norm = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+        moved[k + 1, 0], moved[k + 1, 1] = norm * w, norm * x
+        moved[k + 1, 2], moved[k + 1, 3] = norm * y, norm * z
 
 
 @kernel
-def minimize(problem, torsion_ratio, rod, force, moment):
+def minimize(problem, torsion_ratio, rod, force, moment, ceiling):
     """Minimize the energy of a discrete ``rod``, its frames in place.
 
     ``torsion_ratio`` takes the place of the problem's. ``force`` (3,) starts and ends as the
-    multiplier, ``moment`` (3,) is M at s = 0. Returns (found, energy, Morse index, iterations).
+    multiplier, ``moment`` (3,) is M at s = 0. A rod whose steps have become short and lead to an
+    energy above the ``ceiling`` is given up. Returns (found, energy, Morse index, iterations).
     """
     position, s, n = problem.position, rod.s, rod.s.shape[0] - 1
     k3 = 1.0 if problem.free_spin else torsion_ratio
@@ -244,6 +254,13 @@ def minimize(problem, torsion_ratio, rod, force, moment):
         if not done and not stuck:
             # a multiplier that was large once must not weigh the constraint for ever
             mu = max(0.5 * mu, 1.1 * largest_force)
+            if shift == _FLOOR and largest < _SHORT:
+                # the Newton step's own energy: g·b + b·H b/2, where b·H b = −g·b − F·c
+                ahead = energy + 0.5 * (
+                    downhill - multiplier[0] * c[0] - multiplier[1] * c[1] - multiplier[2] * c[2]
+                )
+                if ahead > ceiling:
+                    return False, math.inf, 0, iteration
             t = min(1.0, _STEP / max(largest, 1e-300))
             taken, value = line_search(
                 rod, position, k3, step, energy, mu, downhill - mu * norm_c, t,

@@ -1,12 +1,7 @@
 """Multiple shooting: the rod in m segments, refined by Newton's method.
 
 Unknown are the loads g = (F, M0) and the poses of the inner nodes; both ends are the clamps. Each
-segment is integrated from its node (``shooting``, K30 = 1, see there) with the local moment
-M_k = M0 + F × r_k. Its six variations with respect to (F, M_k) also tell how its end follows a
-turn δθ_k and a shift δr_k of its node, the rod being the same in a turned frame:
-
-    δ(end) = (δθ_k, δr_k + δθ_k × ρ) + A (δF − δθ_k × F, δM_k − δθ_k × M_k),
-    δM_k = δM0 + δF × r_k + F × δr_k,      ρ from node to end.
+segment is integrated from its node (``segments``).
 
 Torsion ratios other than one enter at the last clamp alone: without its extra spin the last frame
 is the clamp turned back by M3 (1/K30 − 1), M3 = M0·d3(0). With a free end spin that turn is itself
@@ -16,6 +11,10 @@ Elimination in O(m): six rows in (x_k, g) are carried along; with the six rows o
 are pivoted over the columns of x_k, and six rows in (x_k+1, g) remain; at the end 6×6 rows in g,
 solved with complete pivoting that leaves out null directions (ends on one line). Growth exp(√F)
 over the whole rod becomes exp(√F/m) over a segment.
+
+Newton's steps are made on a coarse mesh. Near the solution chords follow on a fine one: steps by
+the factors of the last elimination, for which the poses alone are integrated. Where they gain
+little, Newton's method goes on there.
 """
 
 import math
@@ -25,39 +24,32 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.linalg import eliminate
+from loopelastica.rod.kernels.linalg import copy_rows
 from loopelastica.rod.kernels.newton import pivoted_step
 from loopelastica.rod.kernels.rotations import (
-    cross,
     larger,
     rotation_vector,
     spin,
     tangent,
     turn_in_space,
 )
-from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN, march
+from loopelastica.rod.kernels.segments import (
+    MAX_STEPS,
+    integrate_segment,
+    new_space,
+    segment_rows,
+)
+from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN
 
-_MAX_SEGMENT_STEPS = 60
 _CAP = 0.4
 # mismatch per step left above which none of 250 starts that were not minimized arrived
 _BEHIND = 0.15
+# steps per radian of turning, far from the solution and near it; the mismatch from which it is near
+_COARSE, _FINE, _SWITCH = 1.0, 3.0, 1e-4
+# what a chord must gain, and the mismatch from which one more is expected to be the last
+_GAIN, _NEAR = 0.1, 1e-7
 # mismatch on the check mesh below which another Newton step gains nothing
 _SETTLED = 1e-10
-
-
-class Space(NamedTuple):
-    """Room for one segment's integration and its rows."""
-
-    f: Array
-    """Local loads, (6,)."""
-    y: Array
-    """State and variations, (43,)."""
-    k: Array
-    z: Array
-    end_by_node: Array
-    """(6, 6): how the segment's end follows its node."""
-    end_by_loads: Array
-    """(6, 6): how it follows the loads."""
 
 
 class Elimination(NamedTuple):
@@ -66,31 +58,28 @@ class Elimination(NamedTuple):
     rows: Array
     """(12, 19): columns x_k (6), x_k+1 (6), g (6) and the right-hand side."""
     kept: Array
-    """(m, 6, 19): the eliminated rows of each inner node."""
+    """(m, 12, 19): the eliminated rows of each inner node, below the pivots their factors."""
+    order: Array
+    """(m, 6): which rows changed places with them."""
     scale: Array
     """(6,): units of g."""
+    last: Array
+    """(6, 6): the rows in g at the end, each divided by its size."""
+    size: Array
+    """(6,)."""
 
 
 @kernel
-def new_space():
-    """Room for one segment."""
-    return Space(
+def new_elimination(m, scale):
+    """Room for ``m`` segments."""
+    return Elimination(
+        np.zeros((12, 19)),
+        np.empty((m, 12, 19)),
+        np.empty((m, 6), np.int64),
+        scale,
+        np.empty((6, 6)),
         np.empty(6),
-        np.empty(WITH_JACOBIAN),
-        np.empty(12 * WITH_JACOBIAN),
-        np.empty(WITH_JACOBIAN),
-        np.empty((6, 6)),
-        np.empty((6, 6)),
     )
-
-
-@kernel
-def _steps(f, h, density):
-    """Steps over a segment of length ``h``: ``density`` per radian of the fastest turning."""
-    force = math.sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2])
-    moment = math.sqrt(f[3] * f[3] + f[4] * f[4] + f[5] * f[5])
-    root = math.sqrt(force)
-    return 1 + int(density * h * max(root, moment + 0.5 * min(force * h, root)))
 
 
 @kernel
@@ -102,29 +91,6 @@ def end_clamp(problem, g, q):
         spin(q, g[5])
     else:
         spin(q, -g[5] * (1.0 / problem.torsion_ratio - 1.0))
-
-
-@kernel
-def integrate_segment(g, free_spin, node, h, density, size, space):
-    """The end of one segment from its node (7,), into ``space.y`` (positions from the node).
-
-    ``space.f`` becomes the local loads. Returns the number of steps.
-    """
-    f, y = space.f, space.y
-    for c in range(3):
-        f[c] = g[c]
-    m3 = 0.0 if free_spin else g[5]
-    f[3] = g[3] + g[1] * node[2] - g[2] * node[1]
-    f[4] = g[4] + g[2] * node[0] - g[0] * node[2]
-    f[5] = m3 + g[0] * node[1] - g[1] * node[0]
-    for c in range(WITH_JACOBIAN):
-        y[c] = 0.0
-    for c in range(4):
-        y[3 + c] = node[3 + c]
-    steps = _steps(f, h, density)
-    if steps <= _MAX_SEGMENT_STEPS:
-        march(f, y, h, steps, size, space.k, space.z)
-    return steps
 
 
 @kernel
@@ -155,37 +121,37 @@ def mismatch(problem, nodes, g, density, space):
 
 
 @kernel
-def segment_rows(node, space):
-    """Matrices of a segment from its variations: end = t x_k + b g, x = (δθ, δr)."""
-    f, y, t, b = space.f, space.y, space.end_by_node, space.end_by_loads
-    rho = y[:3]
-    for i in range(6):
-        for j in range(6):
-            b[i, j] = y[POSE + 6 * i + j]
-            t[i, j] = 1.0 if i == j else 0.0
-    for j in range(3):
-        ux, uy, uz = (1.0 if j == 0 else 0.0), (1.0 if j == 1 else 0.0), (1.0 if j == 2 else 0.0)
-        # δθ_j: turned loads −u × F, −u × M; the end moves by u × ρ
-        fx, fy, fz = cross(f[0], f[1], f[2], ux, uy, uz)
-        mx, my, mz = cross(f[3], f[4], f[5], ux, uy, uz)
-        # δr_j: δM = F × u
-        nx, ny, nz = cross(f[0], f[1], f[2], ux, uy, uz)
-        sx, sy, sz = cross(ux, uy, uz, rho[0], rho[1], rho[2])
-        for i in range(6):
-            t[i, j] += (
-                b[i, 0] * fx + b[i, 1] * fy + b[i, 2] * fz
-                + b[i, 3] * mx + b[i, 4] * my + b[i, 5] * mz
-            )  # fmt: skip
-            t[i, 3 + j] += b[i, 3] * nx + b[i, 4] * ny + b[i, 5] * nz
-        t[3, j] += sx
-        t[4, j] += sy
-        t[5, j] += sz
-    for j in range(3):
-        # δF_j also changes the local moment by u × r_k
-        ux, uy, uz = (1.0 if j == 0 else 0.0), (1.0 if j == 1 else 0.0), (1.0 if j == 2 else 0.0)
-        mx, my, mz = cross(ux, uy, uz, node[0], node[1], node[2])
-        for i in range(6):
-            b[i, j] += b[i, 3] * mx + b[i, 4] * my + b[i, 5] * mz
+def _miss(node_pose, i, y, rest):
+    """What the end ``y`` of segment ``i`` misses the next node by, into ``rest`` (6,)."""
+    rest[0], rest[1], rest[2] = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
+    for c in range(3):
+        rest[3 + c] = node_pose[i, c] + y[c] - node_pose[i + 1, c]
+
+
+@kernel
+def _factor(rows, order, i):
+    """Eliminate six columns of ``rows`` (12, 19) by partial pivoting, in place.
+
+    Factors stay below the pivots, the rows that changed places in ``order[i]``. False if singular.
+    """
+    for p in range(6):
+        best = p
+        for r in range(p + 1, 12):
+            if abs(rows[r, p]) > abs(rows[best, p]):
+                best = r
+        order[i, p] = best
+        if best != p:
+            for c in range(19):
+                rows[p, c], rows[best, c] = rows[best, c], rows[p, c]
+        if not abs(rows[p, p]) > 1e-300:
+            return False
+        for r in range(p + 1, 12):
+            factor = rows[r, p] / rows[p, p]
+            rows[r, p] = factor
+            if factor != 0.0:
+                for c in range(p + 1, 19):
+                    rows[r, c] -= factor * rows[p, c]
+    return True
 
 
 @kernel
@@ -195,17 +161,14 @@ def forward(nodes, g, free_spin, density, room, space):
     Returns the mismatch, inf where a segment is too stiff or the rows are singular.
     """
     rows, kept, scale = room.rows, room.kept, room.scale
-    node_pose, y = nodes.pose, space.y
-    worst = 0.0
+    node_pose, y, worst = nodes.pose, space.y, 0.0
     rest = np.empty(6)
     for i in range(nodes.s.shape[0] - 1):
         h = nodes.s[i + 1] - nodes.s[i]
         steps = integrate_segment(g, free_spin, node_pose[i], h, density, WITH_JACOBIAN, space)
-        if steps > _MAX_SEGMENT_STEPS:
+        if steps > MAX_STEPS:
             return math.inf
-        rest[0], rest[1], rest[2] = rotation_vector(y[3:POSE], node_pose[i + 1, 3:])
-        for c in range(3):
-            rest[3 + c] = node_pose[i, c] + y[c] - node_pose[i + 1, c]
+        _miss(node_pose, i, y, rest)
         segment_rows(node_pose[i], space)
         # rows 0–5 are carried, 6–11 new
         for r in range(6):
@@ -218,11 +181,9 @@ def forward(nodes, g, free_spin, density, room, space):
                 rows[6 + r, 12 + c] = space.end_by_loads[r, c] * scale[c]
             rows[6 + r, 18] = -rest[r]
         if i > 0:
-            if eliminate(rows, 12, 6, 19, 1e-300) == 0.0:
+            if not _factor(rows, room.order, i):
                 return math.inf
-            for p in range(6):
-                for c in range(19):
-                    kept[i, p, c] = rows[p, c]
+            copy_rows(rows, kept[i])
         # what remains are rows in (x_k+1, g): carry them
         for r in range(6):
             for c in range(6):
@@ -230,6 +191,33 @@ def forward(nodes, g, free_spin, density, room, space):
                 rows[r, 6 + c] = 0.0
                 rows[r, 12 + c] = rows[6 + r, 12 + c]
             rows[r, 18] = rows[6 + r, 18]
+    return worst if worst == worst else math.inf
+
+
+@kernel
+def forward_again(nodes, g, free_spin, density, room, space):
+    """`forward` by the factors of the last one: of the segments only the poses are integrated."""
+    rows, kept, order, worst = room.rows, room.kept, room.order, 0.0
+    rest, b = np.empty(6), np.empty(12)
+    for i in range(nodes.s.shape[0] - 1):
+        h = nodes.s[i + 1] - nodes.s[i]
+        steps = integrate_segment(g, free_spin, nodes.pose[i], h, density, POSE, space)
+        if steps > MAX_STEPS:
+            return math.inf
+        _miss(nodes.pose, i, space.y, rest)
+        for r in range(6):
+            worst = larger(worst, abs(rest[r]))
+            b[6 + r] = -rest[r]
+        if i > 0:
+            for p in range(6):
+                b[p], b[order[i, p]] = b[order[i, p]], b[p]
+            for p in range(6):
+                kept[i, p, 18] = b[p]
+                for r in range(p + 1, 12):
+                    b[r] -= kept[i, r, p] * b[p]
+        for r in range(6):
+            b[r] = b[6 + r]
+            rows[r, 18] = b[r]
     return worst if worst == worst else math.inf
 
 
@@ -251,38 +239,43 @@ def backward(kept, last, du, x):
 
 
 @kernel
-def _newton_step(problem, nodes, g, density, drop, room, space, x, dg):
-    """Newton step: nodes ``x`` (m + 1, 6), loads ``dg`` (6,). Returns the mismatch before it."""
-    rows, scale = room.rows, room.scale
-    m = nodes.s.shape[0] - 1
-    worst = forward(nodes, g, problem.free_spin, density, room, space)
-    if worst == math.inf:
-        return math.inf
+def _end_rows(problem, nodes, room):
+    """The rows in g that `forward` has left at the end, into ``room.last``."""
+    rows, scale, last, size = room.rows, room.scale, room.last, room.size
     # the last node is the clamp: it turns about its tangent with g[5] alone
-    tx, ty, tz = tangent(nodes.pose[m, 3:])
-    rate = 1.0 if problem.free_spin else -(1.0 / problem.torsion_ratio - 1.0)
-    last, rest, ones, end = np.empty((6, 6)), np.empty(6), np.empty(6), np.zeros(6)
+    tx, ty, tz = tangent(nodes.pose[nodes.s.shape[0] - 1, 3:])
+    rate = _end_rate(problem) * scale[5]
     for r in range(6):
-        ones[r] = 1.0
         for c in range(6):
             last[r, c] = rows[r, 12 + c]
-        last[r, 5] += rate * scale[5] * (rows[r, 0] * tx + rows[r, 1] * ty + rows[r, 2] * tz)
-        rest[r] = -rows[r, 18]
-        # equilibrate the rows
-        size = 0.0
+        last[r, 5] += rate * (rows[r, 0] * tx + rows[r, 1] * ty + rows[r, 2] * tz)
+        size[r] = 1e-300
         for c in range(6):
-            size = max(size, abs(last[r, c]))
-        size = max(size, 1e-300)
+            size[r] = max(size[r], abs(last[r, c]))
         for c in range(6):
-            last[r, c] /= size
-        rest[r] /= size
-    pivoted_step(last, rest, ones, drop, dg)
-    turn = rate * scale[5] * dg[5]
+            last[r, c] /= size[r]
+
+
+@kernel
+def _end_rate(problem):
+    """How fast the last node turns about its tangent with g[5]."""
+    return 1.0 if problem.free_spin else -(1.0 / problem.torsion_ratio - 1.0)
+
+
+@kernel
+def _step(problem, nodes, drop, room, x, dg):
+    """The step that the eliminated rows ask for: nodes ``x`` (m + 1, 6), loads ``dg`` (6,)."""
+    rest, ones, end = np.empty(6), np.ones(6), np.empty(6)
+    for r in range(6):
+        rest[r] = -room.rows[r, 18] / room.size[r]
+    pivoted_step(room.last, rest, ones, drop, dg)
+    turn = _end_rate(problem) * room.scale[5] * dg[5]
+    tx, ty, tz = tangent(nodes.pose[nodes.s.shape[0] - 1, 3:])
     end[0], end[1], end[2] = turn * tx, turn * ty, turn * tz
+    end[3], end[4], end[5] = 0.0, 0.0, 0.0
     backward(room.kept, end, dg, x)
     for c in range(6):
-        dg[c] *= scale[c]
-    return worst
+        dg[c] *= room.scale[c]
 
 
 @kernel
@@ -309,24 +302,31 @@ def refine(problem, nodes, g, drop, iterations):
     mesh with other steps, infinite if there is no convergence in ``iterations``.
     """
     m = nodes.s.shape[0] - 1
-    room = Elimination(np.zeros((12, 19)), np.empty((m, 6, 19)), np.empty(6))
+    room = new_elimination(m, np.empty(6))
     scale, space, dg, x = room.scale, new_space(), np.empty(6), np.empty((m + 1, 6))
     end_clamp(problem, g, nodes.pose[m, 3:])
-    density = 1.0
+    density, chords = _COARSE, False
     best = math.inf
     stalled = 0
     worst = math.inf
     for iteration in range(iterations):
         force = max(math.sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]), 10.0)
-        for c in range(3):
-            scale[c] = force
-            scale[3 + c] = math.sqrt(force)
-        if problem.free_spin:
-            scale[5] = 1.0
         previous = worst
-        worst = _newton_step(problem, nodes, g, density, drop, room, space, x, dg)
+        if chords:
+            worst = forward_again(nodes, g, problem.free_spin, density, room, space)
+            chords = worst < max(_GAIN * previous, _NEAR)
+        if not chords:
+            for c in range(3):
+                scale[c] = force
+                scale[3 + c] = math.sqrt(force)
+            if problem.free_spin:
+                scale[5] = 1.0
+            worst = forward(nodes, g, problem.free_spin, density, room, space)
+            if worst < math.inf:
+                _end_rows(problem, nodes, room)
         if worst > _BEHIND * (iterations - iteration):
             return math.inf, math.inf, iteration
+        _step(problem, nodes, drop, room, x, dg)
         size = 0.0
         for i in range(m + 1):
             for c in range(6):
@@ -339,7 +339,7 @@ def refine(problem, nodes, g, drop, iterations):
         size = max(size, change)
         if not size < 1e6:
             return math.inf, math.inf, iteration
-        fine = density > 2.0
+        fine = density == _FINE
         if fine and (worst < 1e-13 or (worst < 1e-10 and worst > 0.1 * previous)):
             break
         apply(problem, nodes, g, x, dg, min(1.0, _CAP / max(size, 1e-300)))
@@ -349,11 +349,11 @@ def refine(problem, nodes, g, drop, iterations):
             stalled += 1
             if stalled > iterations // 4:
                 return math.inf, math.inf, iteration
-        if not fine and worst < 1e-4:
-            density = 3.0
+        if not fine and worst < _SWITCH:
+            density, chords = _FINE, True
             best = math.inf
-        elif fine and worst < 1e-7:
-            # where convergence is quadratic, what is left is rounding; along a soft direction it
+        elif fine and worst < _NEAR:
+            # where convergence is fast, what is left is rounding; along a soft direction it
             # is not, and the loop goes on
             residual, energy = mismatch(problem, nodes, g, 4.6, space)
             if residual < _SETTLED:

@@ -20,19 +20,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.rod.kernels.boundary_layers import MAX_RATIO, solve_layers
+from loopelastica.rod.kernels.boundary_layers import MAX_RATIO
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod
-from loopelastica.rod.kernels.discrete_starts import (
-    bow,
-    loads_as_it_stands,
-    start_frames,
-    wave,
+from loopelastica.rod.kernels.halfway import (
+    STRAIGHTISH,
+    begin,
+    discrete_rod,
+    finish,
+    new_halfway,
+    worthwhile,
 )
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.layer_poses import layers_apart, layers_energy, layers_loads
 from loopelastica.rod.kernels.linalg import copy, copy_rows
-from loopelastica.rod.kernels.minimization import minimize
-from loopelastica.rod.kernels.nearly_straight import bend_energy
 from loopelastica.rod.kernels.newton import CONVERGED, elastic_energy, newton, shot_error
 from loopelastica.rod.kernels.records import (
     LAYERS,
@@ -46,28 +45,17 @@ from loopelastica.rod.kernels.records import (
     starts_array,
 )
 from loopelastica.rod.kernels.refinement import (
-    BOUNDARY_LAYERS,
-    DISCRETE_ROD,
     DISCRETE_ROD_SHOOTING,
-    NEARLY_STRAIGHT,
     NONE,
-    REFINED_LAYERS,
-    TENSE,
-    refine_bend,
     refine_discrete_rod,
     relative_distance,
-    settle_layers,
 )
-from loopelastica.rod.kernels.rotations import align, end_turn, tangent
 
 SHOOTING = int(Method.SHOOTING)
 
-# 1 − |r| above which half the segments do; what hinge energies may be off by
-_SHORTENED, _MARGIN = 0.15, 0.05
-
-# 1 − |r| below which useless starts are recognized beforehand; cosine of an end tangent that
-# opposes the chord
-_STRAIGHTISH, _OPPOSED = 0.05, -0.8
+# 1 − |r| above which a quarter of the segments does to begin with, below it half; what hinge
+# energies may be off by, and how far above the lowest of them a start is given up on its way
+_SHORTENED, _MARGIN, _HOPELESS = 0.15, 0.02, 0.3
 
 # what is tried where nothing else has led anywhere
 RETRIES = starts_array(
@@ -152,129 +140,6 @@ def new_rows(n: int) -> Rows:
     )
 
 
-class Halfway(NamedTuple):
-    """Starts (n) gone half way: where each has come to."""
-
-    kind: Array
-    """(n,): NONE, BOUNDARY_LAYERS, NEARLY_STRAIGHT or DISCRETE_ROD."""
-    energy: Array
-    """(n,): off by about a hundredth; inf where there is nothing to go on from."""
-    load: Array
-    """(n, 6): F and M0."""
-    layers: Array
-    """(n,) of `LAYERS`."""
-    s: Array
-    """(n, segments + 1)."""
-    frames: Array
-    """(n, segments + 2, 4)."""
-
-
-@kernel
-def _new_halfway(count, segments):
-    energy = np.empty(count)
-    for i in range(count):
-        energy[i] = math.inf
-    return Halfway(
-        np.zeros(count, np.int64),
-        energy,
-        np.empty((count, 6)),
-        np.zeros(count, LAYERS),
-        np.empty((count, segments + 1)),
-        np.empty((count, segments + 2, 4)),
-    )
-
-
-@kernel
-def _discrete_rod(problem, torsion_ratio, start, rod, load):
-    """The discrete rod of one start: its energy, or inf; ``load`` (6,) is F and M at s = 0."""
-    force, moment = np.empty(3), np.empty(3)
-    start_frames(problem, start, rod, force)
-    if not start.minimized:
-        # multiple shooting then goes to a saddle as readily as to a minimum
-        if start.half_waves > 0.0:
-            wave(rod, problem.position, force, start.half_waves)
-        loads_as_it_stands(rod, torsion_ratio, force, load)
-        return 0.0
-    if start.bow > 0.0:
-        bow(rod, start.bow, 1)
-    found, energy, _, _ = minimize(problem, torsion_ratio, rod, force, moment)
-    for c in range(3):
-        load[c], load[3 + c] = force[c], moment[c]
-    return energy if found else math.inf
-
-
-@kernel
-def _worthwhile(problem, start):
-    """Whether a start can lead to the lowest rod of a nearly straight clamping.
-
-    There a bow is in vain, and the energy is that of the layers plus K30 (twist + 2πn)²/2, least
-    for the twist within half a turn; a layer over the other side pays only where the tangent nearly
-    opposes the chord.
-    """
-    if problem.shortening > _STRAIGHTISH:
-        return True
-    if start.bow != 0.0 or not start.minimized:
-        return False
-    position, length = problem.position, 1.0 - problem.shortening
-    ex, ey, ez = position[0] / length, position[1] / length, position[2] / length
-    tx, ty, tz = tangent(problem.quaternion)
-    if (start.over_0 and ez > _OPPOSED) or (
-        start.over_1 and tx * ex + ty * ey + tz * ez > _OPPOSED
-    ):
-        return False
-    if problem.free_spin or start.turns == 0.0:
-        return True
-    q = np.empty(4)
-    align(ex, ey, ez, q)
-    turn = end_turn(problem.quaternion, q) + 2.0 * math.pi * start.turns
-    return abs(turn) < math.pi + 1.0
-
-
-@kernel
-def _begin(problem, minimized_ratio, start, halfway, i):
-    """Half way from a start, into row ``i`` of ``halfway``."""
-    layers, load = halfway.layers[i], halfway.load[i]
-    plain = start.minimized and start.bow == 0.0
-    layered = plain and solve_layers(problem, start, layers)
-    if plain and not start.over_0 and not start.over_1 and not (layered and layers_apart(layers)):
-        energy = bend_energy(problem, start.turns, load)
-        if energy < math.inf:
-            halfway.kind[i], halfway.energy[i] = NEARLY_STRAIGHT, energy
-            return
-    if layered and (layers_apart(layers) or math.cos(layers.beta) * layers.root > TENSE):
-        layers_loads(layers, load)
-        halfway.kind[i] = BOUNDARY_LAYERS
-        halfway.energy[i] = layers_energy(layers, problem.torsion_ratio)
-        return
-    rod = DiscreteRod(halfway.s[i], halfway.frames[i])
-    energy = _discrete_rod(problem, minimized_ratio, start, rod, load)
-    halfway.kind[i] = DISCRETE_ROD if energy < math.inf else NONE
-    halfway.energy[i] = energy
-
-
-@kernel
-def _finish(problem, minimized_ratio, start, halfway, i, solution):
-    """The other half from row ``i`` of ``halfway``, to an `Outcome`."""
-    rod, load = DiscreteRod(halfway.s[i], halfway.frames[i]), halfway.load[i]
-    if halfway.kind[i] == BOUNDARY_LAYERS:
-        solution.layers[0] = halfway.layers[i]
-        residual, energy, m = settle_layers(problem, solution)
-        if residual < problem.tolerance:
-            return Outcome(BOUNDARY_LAYERS if m == 0 else REFINED_LAYERS, residual, energy, m)
-    elif halfway.kind[i] == NEARLY_STRAIGHT:
-        residual, energy, m = refine_bend(problem, start.turns, solution)
-        if residual < problem.tolerance:
-            return Outcome(NEARLY_STRAIGHT, residual, energy, m)
-        if problem.torsion_ratio > minimized_ratio:
-            # what the discrete rod is minimized at is then far from what is sought
-            return Outcome(NONE, math.inf, math.inf, 0)
-    if halfway.kind[i] != DISCRETE_ROD and not (
-        _discrete_rod(problem, minimized_ratio, start, rod, load) < math.inf
-    ):
-        return Outcome(NONE, math.inf, math.inf, 0)
-    return refine_discrete_rod(problem, minimized_ratio, start.minimized, rod, load, solution)
-
-
 @kernel
 def _minimized_ratio(torsion_ratio):
     """The torsion ratio at which discrete rods are minimized.
@@ -294,21 +159,24 @@ def _run_starts(problem, search, solution):
     solution.
     """
     starts, retries, lowest = search.starts, search.retries, search.lowest
-    # half of the segments lose minima that are about to vanish in a fold
-    n = SEGMENTS // 2 if search.sparing and problem.shortening > _SHORTENED else SEGMENTS
+    n = SEGMENTS
+    if search.sparing:
+        n = SEGMENTS // 4 if problem.shortening > _SHORTENED else SEGMENTS // 2
     count = starts.shape[0]
     ratio = _minimized_ratio(problem.torsion_ratio)
-    halfway, ended = _new_halfway(count, n), np.zeros(count, np.bool_)
+    halfway, ended = new_halfway(count, n), np.zeros(count, np.bool_)
     energies = halfway.energy
     trial = _new_solution()
-    best = Outcome(NONE, math.inf, math.inf, 0)
+    best, ceiling = Outcome(NONE, math.inf, math.inf, 0), math.inf
     for i in range(count):
-        if search.sparing and not _worthwhile(problem, starts[i]):
+        if search.sparing and not worthwhile(problem, starts[i]):
             continue
-        _begin(problem, ratio, starts[i], halfway, i)
+        begin(problem, ratio, starts[i], halfway, i, ceiling)
+        if lowest and search.sparing:
+            ceiling = min(ceiling, energies[i] * (1.0 + _HOPELESS) + 1.0)
         if lowest or halfway.kind[i] == NONE:
             continue
-        best = _keep(_finish(problem, ratio, starts[i], halfway, i, trial), best, trial, solution)
+        best = _keep(finish(problem, ratio, starts[i], halfway, i, trial), best, trial, solution)
         if best.method != NONE:
             return best
     while lowest:
@@ -316,22 +184,22 @@ def _run_starts(problem, search, solution):
         for j in range(1, count):
             if energies[j] < energies[i]:
                 i = j
-        # they are off by about a hundredth
+        # those of hinges are too low by some hundredths, hardly ever too high
         if not energies[i] < best.energy * (1.0 + _MARGIN) + _MARGIN:
             break
         energies[i] = math.inf
         if _seen(halfway.load, ended, i):
             continue
         ended[i] = True
-        best = _keep(_finish(problem, ratio, starts[i], halfway, i, trial), best, trial, solution)
-    again = _new_halfway(1, n)
+        best = _keep(finish(problem, ratio, starts[i], halfway, i, trial), best, trial, solution)
+    again = new_halfway(1, SEGMENTS)
     rod, load = DiscreteRod(again.s[0], again.frames[0]), again.load[0]
     for i in range(retries.shape[0]):
         if best.method != NONE:
             break
         # first the narrow valley itself, where the ratio is large
         for trial_ratio in (problem.torsion_ratio, ratio):
-            if _discrete_rod(problem, trial_ratio, retries[i], rod, load) < math.inf:
+            if discrete_rod(problem, trial_ratio, retries[i], rod, load, math.inf) < math.inf:
                 outcome = refine_discrete_rod(problem, trial_ratio, True, rod, load, trial)
                 best = _keep(outcome, best, trial, solution)
             if best.method != NONE or problem.torsion_ratio == ratio:
@@ -394,7 +262,7 @@ def run_batch(problems, search, rows):
         )
         loads = rows.loads[i]
         known = search.known[i]
-        if search.sparing and not problem.shortening > _STRAIGHTISH:
+        if search.sparing and not problem.shortening > STRAIGHTISH:
             # no stored rod is that nearly straight
             known = 0
         for j in range(known):

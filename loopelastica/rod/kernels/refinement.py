@@ -38,9 +38,9 @@ TENSE, _STIFF = 14.0, 45.0
 _DROP, _CIRCLE_DROP = 1e-12, 1e-4
 # places on such a circle
 _DIRECTIONS = 12
-# √F below which one shot from the start is accurate; Newton steps that a discrete rod is given, and
+# √F below which one shot from the start often arrives; Newton steps that a discrete rod is given;
 # how far, relative to their size, its loads may go: further, it would be another rod
-_LOOSE, _STEPS, _SAME = 6.0, 4, 0.1
+_LOOSE, _STEPS, _SAME = 7.5, 4, 0.1
 # largest moment per segment of the nodes of a nearly straight rod
 _RATE = 6.0
 

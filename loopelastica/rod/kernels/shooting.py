@@ -26,6 +26,7 @@ import math
 
 import numpy as np
 
+from loopelastica.rod.kernels import dop853 as d
 from loopelastica.rod.kernels.dop853 import STAGES as _STAGES
 from loopelastica.rod.kernels.dop853 import STRIDE, stage
 from loopelastica.rod.kernels.jit import kernel
@@ -49,24 +50,102 @@ def step_count(f, density):
 
 
 @kernel
-def slope(f, y, k, o, size):
-    """Slopes of the rod and, if ``size`` is 43, of its variations, into ``k[o:]``."""
+def rate(f, y):
+    """Slope (7) of the pose ``y`` (7), both as floats."""
+    rx, ry, rz, w, x, v, z = y
+    mx = f[3] + f[1] * rz - f[2] * ry
+    my = f[4] + f[2] * rx - f[0] * rz
+    mz = f[5] + f[0] * ry - f[1] * rx
+    return (
+        2.0 * (x * z + w * v),
+        2.0 * (v * z - w * x),
+        w * w + z * z - x * x - v * v,
+        -0.5 * (mx * x + my * v + mz * z),
+        0.5 * (mx * w + my * z - mz * v),
+        0.5 * (my * w + mz * x - mx * z),
+        0.5 * (mz * w + mx * v - my * x),
+    )
+
+
+@kernel
+def plus(y, a, k):
+    """The sum y + a k of seven floats each."""
+    return (
+        y[0] + a * k[0],
+        y[1] + a * k[1],
+        y[2] + a * k[2],
+        y[3] + a * k[3],
+        y[4] + a * k[4],
+        y[5] + a * k[5],
+        y[6] + a * k[6],
+    )
+
+
+@kernel
+def _pose_step(f, y, h):
+    """One step of length ``h`` from the pose ``y``, seven floats.
+
+    What a stage takes of the newest slope is added last: the sums of one stage then go on while
+    the slope of the one before is still computed.
+    """
+    k0 = rate(f, y)
+    k1 = rate(f, plus(y, h * d.A1_0, k0))
+    k2 = rate(f, plus(plus(y, h * d.A2_0, k0), h * d.A2_1, k1))
+    k3 = rate(f, plus(plus(y, h * d.A3_0, k0), h * d.A3_2, k2))
+    z = plus(plus(y, h * d.A4_0, k0), h * d.A4_2, k2)
+    k4 = rate(f, plus(z, h * d.A4_3, k3))
+    z = plus(plus(y, h * d.A5_0, k0), h * d.A5_3, k3)
+    k5 = rate(f, plus(z, h * d.A5_4, k4))
+    z = plus(plus(y, h * d.A6_0, k0), h * d.A6_3, k3)
+    k6 = rate(f, plus(plus(z, h * d.A6_4, k4), h * d.A6_5, k5))
+    z = plus(plus(y, h * d.A7_0, k0), h * d.A7_3, k3)
+    z = plus(plus(z, h * d.A7_4, k4), h * d.A7_5, k5)
+    k7 = rate(f, plus(z, h * d.A7_6, k6))
+    z = plus(plus(y, h * d.A8_0, k0), h * d.A8_3, k3)
+    z = plus(plus(z, h * d.A8_4, k4), h * d.A8_5, k5)
+    k8 = rate(f, plus(plus(z, h * d.A8_6, k6), h * d.A8_7, k7))
+    z = plus(plus(y, h * d.A9_0, k0), h * d.A9_3, k3)
+    z = plus(plus(z, h * d.A9_4, k4), h * d.A9_5, k5)
+    z = plus(plus(z, h * d.A9_6, k6), h * d.A9_7, k7)
+    k9 = rate(f, plus(z, h * d.A9_8, k8))
+    z = plus(plus(y, h * d.A10_0, k0), h * d.A10_3, k3)
+    z = plus(plus(z, h * d.A10_4, k4), h * d.A10_5, k5)
+    z = plus(plus(z, h * d.A10_6, k6), h * d.A10_7, k7)
+    k10 = rate(f, plus(plus(z, h * d.A10_8, k8), h * d.A10_9, k9))
+    z = plus(plus(y, h * d.A11_0, k0), h * d.A11_3, k3)
+    z = plus(plus(z, h * d.A11_4, k4), h * d.A11_5, k5)
+    z = plus(plus(z, h * d.A11_6, k6), h * d.A11_7, k7)
+    z = plus(plus(z, h * d.A11_8, k8), h * d.A11_9, k9)
+    k11 = rate(f, plus(z, h * d.A11_10, k10))
+    z = plus(plus(y, h * d.B_0, k0), h * d.B_5, k5)
+    z = plus(plus(z, h * d.B_6, k6), h * d.B_7, k7)
+    z = plus(plus(z, h * d.B_8, k8), h * d.B_9, k9)
+    z = plus(plus(z, h * d.B_10, k10), h * d.B_11, k11)
+    norm = 1.0 / math.sqrt(z[3] * z[3] + z[4] * z[4] + z[5] * z[5] + z[6] * z[6])
+    return z[0], z[1], z[2], norm * z[3], norm * z[4], norm * z[5], norm * z[6]
+
+
+@kernel
+def _march_pose(f, y, length, n):
+    """`march` for the pose alone, which stays in registers: a third of the time."""
+    pose, h = (y[0], y[1], y[2], y[3], y[4], y[5], y[6]), length / n
+    for _ in range(n):
+        pose = _pose_step(f, pose, h)
+    y[0], y[1], y[2], y[3], y[4], y[5], y[6] = pose
+
+
+@kernel
+def slope(f, y, k, o):
+    """Slopes of the rod and its variations, into ``k[o:]``."""
     fx, fy, fz = f[0], f[1], f[2]
     rx, ry, rz = y[0], y[1], y[2]
-    w, x, v, z = y[3], y[4], y[5], y[6]
     mx = f[3] + fy * rz - fz * ry
     my = f[4] + fz * rx - fx * rz
     mz = f[5] + fx * ry - fy * rx
-    tx = 2.0 * (x * z + w * v)
-    ty = 2.0 * (v * z - w * x)
-    tz = w * w + z * z - x * x - v * v
-    k[o], k[o + 1], k[o + 2] = tx, ty, tz
-    k[o + 3] = -0.5 * (mx * x + my * v + mz * z)
-    k[o + 4] = 0.5 * (mx * w + my * z - mz * v)
-    k[o + 5] = 0.5 * (my * w + mz * x - mx * z)
-    k[o + 6] = 0.5 * (mz * w + mx * v - my * x)
-    if size == POSE:
-        return
+    pose = rate(f, (rx, ry, rz, y[3], y[4], y[5], y[6]))
+    tx, ty, tz = pose[0], pose[1], pose[2]
+    for c in range(POSE):
+        k[o + c] = pose[c]
     for j in range(6):
         ax, ay, az = y[7 + j], y[13 + j], y[19 + j]
         dx, dy, dz = y[25 + j], y[31 + j], y[37 + j]
@@ -92,15 +171,19 @@ def slope(f, y, k, o, size):
 def march(f, y, length, n, size, k, z):
     """Carry the state ``y`` over ``length`` in ``n`` equal steps, in place.
 
-    ``k`` (12·43,) and ``z`` (43,) are scratch. K30 = 1 (see the module's head).
+    With ``size`` = 7 the pose alone; ``k`` (12·43,) and ``z`` (43,) are scratch for the variations.
+    K30 = 1 (see the module's head).
     """
+    if size == POSE:
+        _march_pose(f, y, length, n)
+        return
     h = length / n
     for _ in range(n):
-        slope(f, y, k, 0, size)
+        slope(f, y, k, 0)
         for i in range(1, _STAGES):
-            stage(y, z, k, i, h, size)
-            slope(f, z, k, i * WITH_JACOBIAN, size)
-        stage(y, y, k, _STAGES, h, size)
+            stage(y, z, k, i, h)
+            slope(f, z, k, i * WITH_JACOBIAN)
+        stage(y, y, k, _STAGES, h)
         norm = 1.0 / math.sqrt(y[3] * y[3] + y[4] * y[4] + y[5] * y[5] + y[6] * y[6])
         for c in range(3, POSE):
             y[c] *= norm

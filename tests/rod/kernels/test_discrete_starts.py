@@ -27,8 +27,11 @@ def test_graded_nodes_crowd_where_the_boundary_layers_are():
         assert s[0] == 0
         assert s[-1] == 1
         assert (np.diff(s) > 0).all()
-        np.testing.assert_allclose(s + s[::-1], 1, atol=1e-6)
+        np.testing.assert_allclose(s + s[::-1], 1, atol=1e-15)
         q = 0.5 * root
+        # equal shares of the integral of the density
+        share = s + 0.5 * (1 - np.exp(-q * s) + np.exp(-q * (1 - s)) - np.exp(-q))
+        np.testing.assert_allclose(np.diff(share), share[-1] / 64, atol=1e-8)
         ends, middle = 1 + 0.5 * q * (1 + np.exp(-q)), 1 + q * np.exp(-0.5 * q)
         assert np.diff(s)[0] / np.diff(s)[32] == pytest.approx(middle / ends, rel=0.25)
 

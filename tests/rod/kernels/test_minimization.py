@@ -22,7 +22,7 @@ def test_the_discrete_rod_reaches_a_minimum_from_every_pose(
         here = problem(le.Clamping(position, rotation, free_spin), torsion_ratio)
         rod, force, moment = discrete_rod(64), np.zeros(3), np.zeros(3)
         start_frames(here, start(), rod, force)
-        found, energy, index, iterations = minimize(here, torsion_ratio, rod, force, moment)
+        found, energy, index, iterations = minimize(here, torsion_ratio, rod, force, moment, np.inf)
         assert found
         assert index == 0
         assert 0 < energy < math.inf
@@ -37,9 +37,33 @@ def test_energy_force_and_moment_are_nearly_those_of_the_rod(problem, start, dis
     rod, force, moment = discrete_rod(64), np.zeros(3), np.zeros(3)
     here = problem(clamping, 0.7)
     start_frames(here, start(), rod, force)
-    found, energy, _, _ = minimize(here, 0.7, rod, force, moment)
+    found, energy, _, _ = minimize(here, 0.7, rod, force, moment, np.inf)
     assert found
     # 64 segments: within a hundredth
     assert energy == pytest.approx(exact.energy, rel=1e-2)
     size = np.abs(exact.loads).max()
     np.testing.assert_allclose(np.concatenate([force, moment]), exact.loads, atol=2e-2 * size)
+
+
+def test_a_rod_on_its_way_above_the_ceiling_is_given_up(rng, problem, start, discrete_rod):
+    given_up = 0
+    for position, rotation in zip(*pose_drawn(rng, 10, high=0.85), strict=True):
+        here = problem(le.Clamping(position, rotation), 1.0)
+
+        def minimized(ceiling, here=here):
+            rod, force, moment = discrete_rod(16), np.zeros(3), np.zeros(3)
+            start_frames(here, start(), rod, force)
+            found, energy, _, iterations = minimize(here, 1.0, rod, force, moment, ceiling)
+            return found, energy, iterations
+
+        found, energy, iterations = minimized(np.inf)
+        assert found
+        # one below is found as if there were none
+        assert minimized(1.01 * energy) == (found, energy, iterations)
+        # one above is given up, unless it has arrived before
+        outcome = minimized(0.5 * energy)
+        if outcome != (found, energy, iterations):
+            given_up += 1
+            assert outcome[:2] == (False, math.inf)
+            assert outcome[2] < iterations
+    assert given_up > 3

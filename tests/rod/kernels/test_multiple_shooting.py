@@ -1,51 +1,23 @@
 import numpy as np
 import pytest
-from draws import load_drawn, loads
+from draws import load_drawn
 from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica.rod.kernels.multiple_shooting import (
-    integrate_segment,
+    _end_rows,
+    _step,
+    forward,
+    forward_again,
     mismatch,
-    new_space,
+    new_elimination,
     refine,
-    segment_rows,
 )
 from loopelastica.rod.kernels.records import Nodes
-from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN
+from loopelastica.rod.kernels.segments import new_space
 
 # kernels that Python does not call otherwise are compiled one by one
 pytestmark = pytest.mark.slow
-
-
-def test_rows_of_a_segment_are_its_derivatives(rng):
-    space = new_space()
-    for g in loads(rng, 5):
-        node = np.concatenate([rng.normal(size=3), Rotation.random(random_state=rng).as_quat()])
-
-        def end(dx, dg, g=g, node=node):
-            turned = Rotation.from_rotvec(dx[:3]) * Rotation.from_quat(node[3:], scalar_first=True)
-            moved = np.concatenate([node[:3] + dx[3:], turned.as_quat(scalar_first=True)])
-            integrate_segment(g + dg, False, moved, 0.1, 40.0, POSE, space)
-            y = space.y
-            return moved[:3] + y[:3], Rotation.from_quat(y[3:POSE], scalar_first=True)
-
-        integrate_segment(g, False, node, 0.1, 40.0, WITH_JACOBIAN, space)
-        segment_rows(node, space)
-        t, b = space.end_by_node.copy(), space.end_by_loads.copy()
-        h = 1e-5
-        for matrix, first in ((t, True), (b, False)):
-            for j in range(6):
-                step = np.zeros(6)
-                step[j] = h
-                pair = [
-                    end(sign * step, np.zeros(6)) if first else end(np.zeros(6), sign * step)
-                    for sign in (1, -1)
-                ]
-                shift = (pair[0][0] - pair[1][0]) / (2 * h)
-                turn = (pair[0][1] * pair[1][1].inv()).as_rotvec() / (2 * h)
-                np.testing.assert_allclose(matrix[:3, j], turn, atol=1e-7)
-                np.testing.assert_allclose(matrix[3:, j], shift, atol=1e-7)
 
 
 @pytest.mark.parametrize("free_spin", [False, True])
@@ -80,3 +52,24 @@ def test_a_start_too_far_off_ends_without_a_residual(rng, problem):
     )
     assert np.isinf([residual, energy]).all()
     assert iterations < 14
+
+
+def test_a_chord_where_the_factors_are_of_is_the_newton_step(rng, problem):
+    position, rotation = (a[0] for a in load_drawn(rng, 1))
+    clamping = le.Clamping(position, rotation)
+    rod = le.solve(clamping)
+    s = np.linspace(0, 1, 9)
+    nodes = Nodes(s, rod.poses_without_spin(s))
+    nodes.pose[1:-1, :3] += 1e-3 * rng.normal(size=(7, 3))
+    g, here = rod.loads.copy(), problem(clamping, 1.0)
+    room, space = new_elimination(8, np.full(6, 10.0)), new_space()
+    steps = []
+    for eliminate in (forward, forward_again):
+        x, dg = np.empty((9, 6)), np.empty(6)
+        worst = eliminate(nodes, g, False, 3.0, room, space)
+        if eliminate is forward:
+            _end_rows(here, nodes, room)
+        _step(here, nodes, 1e-12, room, x, dg)
+        steps.append((worst, x, dg))
+    for one, other in zip(*steps, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-8, atol=1e-11)

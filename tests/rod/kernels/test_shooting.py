@@ -4,7 +4,14 @@ from draws import loads
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from loopelastica.rod.kernels.shooting import ends, moment_bound, sample
+from loopelastica.rod.kernels.shooting import (
+    POSE,
+    WITH_JACOBIAN,
+    ends,
+    moment_bound,
+    sample,
+    shoot,
+)
 
 
 def matrix_ode(f, torsion_ratio, s):
@@ -61,3 +68,14 @@ def test_a_finer_mesh_shrinks_the_error_at_order_eight(rng):
 def test_no_load_is_the_straight_rod_and_a_moment_is_a_circle():
     p, _ = ends(np.array([[0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 2 * np.pi, 0]]), 1.0, 4.0)
     np.testing.assert_allclose(p, [[0, 0, 1], [0, 0, 0]], atol=1e-11)
+
+
+@pytest.mark.slow
+def test_the_pose_alone_is_that_of_the_rod_with_its_variations(rng):
+    y, alone, z = (np.empty(WITH_JACOBIAN) for _ in range(3))
+    k = np.empty(12 * WITH_JACOBIAN)
+    for f in loads(rng, 20):
+        shoot(f, 0.7, 6, WITH_JACOBIAN, y, k, z)
+        alone[POSE:] = np.nan
+        shoot(f, 0.7, 6, POSE, alone, k, z)
+        np.testing.assert_allclose(alone[:POSE], y[:POSE], rtol=0.0, atol=1e-13)
