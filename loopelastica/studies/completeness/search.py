@@ -1,0 +1,318 @@
+"""Equilibria from random loads: what the lists of ``rod.equilibria`` are judged by.
+
+Each start is a force and a moment in the middle of the rod, drawn without a look at the clamping;
+``shots`` corrects it. What arrives is refined on a finer mesh and must hold on one finer still.
+Hits of one rod are counted together where energies, center lines and frames agree.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from loopelastica._arrays import Array, Record
+from loopelastica.rod.clamping import Clamping
+from loopelastica.studies.bench.poses import directions
+from loopelastica.studies.completeness import shots
+
+# |F| of the starts, log-uniform; |M| across the tangent, uniform; energy of the twist at most
+_FORCES, _BENDING, _TWISTING = (3.0, 300.0), 16.0, 120.0
+# half of them bend less in the middle, by down to 10 to this power
+_SHARP = -3.0
+# radians per step and misfit to reach: while searching, refined, and of the check
+_COARSE, _FINE, _CHECK = (1.0, 1e-6), (0.12, 1e-11), (0.06, 1e-9)
+_PATIENCE = 70
+# 1 − |η| below which a rod is pulled from one with that much, and the logarithm of each step
+_LOOSE, _PULL = 0.15, 0.05
+# hits are one rod if energies (relative to 1 + E) and poses differ by less
+_SAME_ENERGY, SAME = 1e-6, 1e-5
+# each half of the rod is compared in so many points
+_PARTS = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rod(Record):
+    """An equilibrium that the independent search has hit.
+
+    Attributes
+    ----------
+    loads : (6,) ndarray
+        F and M at s = 0 in the start frame, in K0/L² and K0/L.
+    energy : float
+        In K0/L.
+    residual : float
+        What it misses its end by on a mesh that was not used to find it.
+    hits : int
+        How many starts led to it.
+    middle : (6,) ndarray
+        F and M at s = ½ in the frame there.
+    mark : ndarray
+        Numbers that two copies of one rod have in common, see `mark`.
+    """
+
+    loads: Array
+    energy: float
+    residual: float
+    hits: int
+    middle: Array
+    mark: Array
+
+
+def random_middles(
+    rng: np.random.Generator, n: int, torsion_ratio: float, free_spin: bool
+) -> Array:
+    """Loads (n, 6) in the middle of a rod to start from.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    n : int
+    torsion_ratio : float
+        K30 = K3/K0.
+    free_spin : bool
+        No torsion.
+
+    Returns
+    -------
+    (n, 6) ndarray
+    """
+    low, high = np.log(_FORCES)
+    size = np.exp(rng.uniform(low, high, (n, 1)))
+    force, across = directions(rng, n), rng.uniform(0.0, _BENDING, n)
+    # every other start is nearly straight in the middle, as a tense rod is
+    tense = rng.random(n) < 0.5
+    sharp = 10.0 ** rng.uniform(_SHARP, 0.0, (2, n))
+    force[tense, :2] *= sharp[0, tense, None]
+    force[tense] /= np.linalg.norm(force[tense], axis=1, keepdims=True)
+    force[tense, 2] = np.abs(force[tense, 2])
+    across[tense] *= sharp[1, tense]
+    angle = rng.uniform(0.0, math.tau, n)
+    twist = math.sqrt(2.0 * torsion_ratio * _TWISTING) * rng.uniform(-1.0, 1.0, n)
+    moment = [across * np.cos(angle), across * np.sin(angle), (not free_spin) * twist]
+    return np.column_stack([size * force, *moment])
+
+
+def search(
+    clamping: Clamping, torsion_ratio: float, starts: int, rng: np.random.Generator, span: float
+) -> list[Rod]:
+    """Equilibria that random loads lead to.
+
+    Parameters
+    ----------
+    clamping : Clamping
+    torsion_ratio : float
+        K30 = K3/K0.
+    starts : int
+        How many random loads.
+    rng : numpy.random.Generator
+    span : float
+        Keep what is at most this much above the lowest one, in K0/L.
+
+    Returns
+    -------
+    list of Rod
+        Lowest energy first.
+    """
+    near, *path = _pulled(clamping)
+    middles = random_middles(rng, starts, torsion_ratio, clamping.free_spin)
+    # loads that are far from the lowest are let go before they cost more
+    found = _refined(middles, near, torsion_ratio, None if path else span)
+    for further in path:
+        found = _followed(found, further, torsion_ratio)
+    lowest = min((rod.energy for rod in found), default=0.0)
+    return sorted((r for r in found if r.energy <= lowest + span), key=lambda rod: rod.energy)
+
+
+def _refined(
+    middles: Array, clamping: Clamping, torsion_ratio: float, span: float | None
+) -> list[Rod]:
+    """The rods that loads (n, 6) lead to, refined and checked."""
+    left = _descend(middles, clamping, torsion_ratio, *_COARSE)
+    middles = middles[left <= _COARSE[1]]
+    energies = np.array([energy_of(x, clamping, torsion_ratio) for x in middles])
+    if span is not None and len(middles):
+        middles = middles[energies <= energies.min() + 1.01 * span]
+    left = _descend(middles, clamping, torsion_ratio, *_FINE)
+    found: list[Rod] = []
+    for middle in middles[left <= _FINE[1]]:
+        _merge(found, _rod(middle, clamping, torsion_ratio))
+    return [rod for rod in found if rod.residual <= _CHECK[1]]
+
+
+def _followed(rods: list[Rod], clamping: Clamping, torsion_ratio: float) -> list[Rod]:
+    """``rods`` of a clamping nearby, corrected for this one; they keep their hits."""
+    found: list[Rod] = []
+    for rod in rods:
+        for new in _refined(rod.middle[None].copy(), clamping, torsion_ratio, None):
+            _merge(found, replace(new, hits=rod.hits))
+    return found
+
+
+def energy_of(middle: Array, clamping: Clamping, torsion_ratio: float) -> float:
+    """Energy of a rod from its loads in the middle.
+
+    ½|M across t|² + F·t is constant along the rod, and F·t integrates to F·(r(1) − r(0)).
+
+    Parameters
+    ----------
+    middle : (6,) ndarray
+        F and M at s = ½ in the frame there.
+    clamping : Clamping
+    torsion_ratio : float
+        K30 = K3/K0.
+
+    Returns
+    -------
+    float
+        In K0/L.
+    """
+    force = _at_start(middle, torsion_ratio)[0]
+    constant = 0.5 * (middle[3] ** 2 + middle[4] ** 2) + middle[2]
+    twist = 0.5 * middle[5] ** 2 / torsion_ratio
+    return float(constant - force @ clamping.position + twist)
+
+
+def _pulled(clamping: Clamping) -> list[Clamping]:
+    """The clamping after others whose ends are nearer to each other.
+
+    Random loads hardly ever lead to rods that are tense from end to end, because these depend on
+    the loads too sharply. They are pulled from rods that are less so.
+    """
+    gap = 1.0 - float(np.linalg.norm(clamping.position))
+    steps = max(0, math.ceil(math.log(_LOOSE / gap) / _PULL)) if gap < _LOOSE else 0
+    gaps = gap * (_LOOSE / gap) ** (np.arange(steps, 0, -1) / max(steps, 1))
+    scales = [*((1.0 - gaps) / (1.0 - gap)), 1.0]
+    return [replace(clamping, position=scale * clamping.position) for scale in scales]
+
+
+def _descend(
+    middles: Array, clamping: Clamping, torsion_ratio: float, radians: float, goal: float
+) -> Array:
+    """Correct ``middles`` (n, 6) in place; what their ends still miss, (n,)."""
+    left = np.empty(len(middles))
+    shots.descend_all(
+        middles, torsion_ratio, clamping.position.copy(), clamping.rotation.copy(),
+        clamping.free_spin, radians, goal, _PATIENCE, left,
+    )  # fmt: skip
+    return left
+
+
+def _residual(middle: Array, clamping: Clamping, torsion_ratio: float) -> float:
+    left = np.empty(1)
+    shots.descend_all(
+        middle[None].copy(), torsion_ratio, clamping.position.copy(), clamping.rotation.copy(),
+        clamping.free_spin, _CHECK[0], 0.0, 0, left,
+    )  # fmt: skip
+    return float(left[0])
+
+
+def traced(middle: Array, torsion_ratio: float, parts: int = _PARTS) -> tuple[Array, Array]:
+    """Center line and frames as the start frame sees them.
+
+    Parameters
+    ----------
+    middle : (6,) ndarray
+        F and M at s = ½ in the frame there.
+    torsion_ratio : float
+        K30 = K3/K0.
+    parts : int
+        Each half of the rod is cut into so many.
+
+    Returns
+    -------
+    line, frames : (2·parts + 1, 3) and (2·parts + 1, 3, 3) ndarray
+    """
+    from scipy.spatial.transform import Rotation
+
+    poses = shots.trace(middle.copy(), _FINE[0], parts)
+    s = np.linspace(-0.5, 0.5, len(poses))
+    spins = np.zeros((len(s), 3))
+    spins[:, 2] = (1.0 / torsion_ratio - 1.0) * middle[5] * s
+    turned = Rotation.from_quat(poses[:, 3:], scalar_first=True) * Rotation.from_rotvec(spins)
+    frames = turned.as_matrix()
+    return (poses[:, :3] - poses[0, :3]) @ frames[0], frames[0].T @ frames
+
+
+def _at_start(middle: Array, torsion_ratio: float) -> Array:
+    """Force, moment and displacement of the end, (3, 3), in the start frame."""
+    line, frames = traced(middle, torsion_ratio, 1)
+    # the middle as the start sees it
+    force = frames[1] @ middle[:3]
+    moment = frames[1] @ middle[3:] + np.cross(force, line[0] - line[1])
+    return np.array([force, moment, line[-1]])
+
+
+def mark(line: Array, frames: Array, loads: Array, clamping: Clamping) -> Array:
+    """Numbers that are equal, within `SAME`, for copies of one equilibrium only.
+
+    Where both end tangents lie on one line, rods that turn into each other about it count as one.
+    Where the rod is closed it may also start elsewhere on the curve: only its force, its moment
+    and the angle between them are left.
+
+    Parameters
+    ----------
+    line, frames : (n, 3) and (n, 3, 3) ndarray
+        At equal distances, in the start frame.
+    loads : (6,) ndarray
+        F and M at s = 0 in the start frame.
+    clamping : Clamping
+
+    Returns
+    -------
+    ndarray
+    """
+    if not clamping.on_one_line:
+        return np.concatenate([line.ravel(), frames.ravel()])
+    force, moment = loads[:3], loads[3:]
+    # the moments tell mirror images apart
+    unturned = [moment[2], float(force @ moment) / (1.0 + float(force @ force))]
+    if clamping.closed:
+        return np.array([*unturned, float(np.linalg.norm(force)) / 100.0])
+    across = np.hypot(line[:, 0], line[:, 1])
+    return np.concatenate([across, line[:, 2], frames[:, 2, 2], unturned])
+
+
+def same(energy_a: float, mark_a: Array, energy_b: float, mark_b: Array) -> bool:
+    """Whether energies and marks are those of one rod.
+
+    Parameters
+    ----------
+    energy_a, energy_b : float
+    mark_a, mark_b : ndarray
+        From `mark`.
+
+    Returns
+    -------
+    bool
+    """
+    if abs(energy_a - energy_b) > _SAME_ENERGY * (1.0 + abs(energy_a)):
+        return False
+    return bool(np.abs(mark_a - mark_b).max() < SAME)
+
+
+def _rod(middle: Array, clamping: Clamping, torsion_ratio: float) -> Rod:
+    loads = _at_start(middle, torsion_ratio)[:2].ravel()
+    line, frames = traced(middle, torsion_ratio)
+    return Rod(
+        loads,
+        energy_of(middle, clamping, torsion_ratio),
+        _residual(middle, clamping, torsion_ratio),
+        1,
+        middle.copy(),
+        mark(line, frames, loads, clamping),
+    )
+
+
+def _merge(found: list[Rod], new: Rod) -> None:
+    for i, old in enumerate(found):
+        if same(old.energy, old.mark, new.energy, new.mark):
+            kept = new if new.residual < old.residual else old
+            found[i] = replace(kept, hits=old.hits + new.hits)
+            return
+    found.append(new)
+
+
+def same_as_any(rods: Iterable[Rod], energy: float, its_mark: Array) -> bool:
+    """Whether a rod of that energy and mark is among ``rods``."""
+    return any(same(rod.energy, rod.mark, energy, its_mark) for rod in rods)
