@@ -6,7 +6,6 @@ Hits of one rod are counted together where energies, center lines and frames agr
 """
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,9 +25,9 @@ _PATIENCE = 70
 # 1 − |η| below which a rod is pulled from one with that much, and the logarithm of each step
 _LOOSE, _PULL = 0.15, 0.05
 # hits are one rod if energies (relative to 1 + E) and poses differ by less
-_SAME_ENERGY, SAME = 1e-6, 1e-5
+_SAME_ENERGY, _SAME = 1e-6, 1e-5
 # each half of the rod is compared in so many points
-_PARTS = 4
+PARTS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,7 +135,7 @@ def _refined(
     left = _descend(middles, clamping, torsion_ratio, *_FINE)
     found: list[Rod] = []
     for middle in middles[left <= _FINE[1]]:
-        _merge(found, _rod(middle, clamping, torsion_ratio))
+        _merge(found, rod_at(middle, clamping, torsion_ratio))
     return [rod for rod in found if rod.residual <= _CHECK[1]]
 
 
@@ -207,7 +206,7 @@ def _residual(middle: Array, clamping: Clamping, torsion_ratio: float) -> float:
     return float(left[0])
 
 
-def traced(middle: Array, torsion_ratio: float, parts: int = _PARTS) -> tuple[Array, Array]:
+def traced(middle: Array, torsion_ratio: float, parts: int = PARTS) -> tuple[Array, Array]:
     """Center line and frames as the start frame sees them.
 
     Parameters
@@ -244,7 +243,7 @@ def _at_start(middle: Array, torsion_ratio: float) -> Array:
 
 
 def mark(line: Array, frames: Array, loads: Array, clamping: Clamping) -> Array:
-    """Numbers that are equal, within `SAME`, for copies of one equilibrium only.
+    """Numbers that are equal, within 1e-5, for copies of one equilibrium only.
 
     Where both end tangents lie on one line, rods that turn into each other about it count as one.
     Where the rod is closed it may also start elsewhere on the curve: only its force, its moment
@@ -288,19 +287,35 @@ def same(energy_a: float, mark_a: Array, energy_b: float, mark_b: Array) -> bool
     """
     if abs(energy_a - energy_b) > _SAME_ENERGY * (1.0 + abs(energy_a)):
         return False
-    return bool(np.abs(mark_a - mark_b).max() < SAME)
+    return bool(np.abs(mark_a - mark_b).max() < _SAME)
 
 
-def _rod(middle: Array, clamping: Clamping, torsion_ratio: float) -> Rod:
+def rod_at(middle: Array, clamping: Clamping, torsion_ratio: float, hits: int = 1) -> Rod:
+    """The rod with some loads in the middle, its end checked on the finest mesh.
+
+    Parameters
+    ----------
+    middle : (6,) ndarray
+        F and M at s = ½ in the frame there.
+    clamping : Clamping
+        What its end should meet.
+    torsion_ratio : float
+        K30 = K3/K0.
+    hits : int
+        How many starts led to it.
+
+    Returns
+    -------
+    Rod
+    """
     loads = _at_start(middle, torsion_ratio)[:2].ravel()
-    line, frames = traced(middle, torsion_ratio)
     return Rod(
         loads,
         energy_of(middle, clamping, torsion_ratio),
         _residual(middle, clamping, torsion_ratio),
-        1,
+        hits,
         middle.copy(),
-        mark(line, frames, loads, clamping),
+        mark(*traced(middle, torsion_ratio), loads, clamping),
     )
 
 
@@ -311,8 +326,3 @@ def _merge(found: list[Rod], new: Rod) -> None:
             found[i] = replace(kept, hits=old.hits + new.hits)
             return
     found.append(new)
-
-
-def same_as_any(rods: Iterable[Rod], energy: float, its_mark: Array) -> bool:
-    """Whether a rod of that energy and mark is among ``rods``."""
-    return any(same(rod.energy, rod.mark, energy, its_mark) for rod in rods)

@@ -322,7 +322,7 @@ def descend(
             growth *= 2.0
             if damping > 1e8:
                 break
-    return worst
+    return float(worst)
 
 
 @kernel
