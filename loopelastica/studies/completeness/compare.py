@@ -16,12 +16,14 @@ from loopelastica.rod.equilibria import equilibria
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.records import Status
 from loopelastica.studies.completeness.morse import index
-from loopelastica.studies.completeness.search import PARTS, Rod, mark, same
+from loopelastica.studies.completeness.search import PARTS, Rod, mark, same, seen_from_start
 
 Row = dict[str, Any]
 
 # efforts by name: `rounds` of `equilibria`
 EFFORTS: dict[str, int | None] = {"default": None, "deepest": 4}
+# nodes of each half of a rod: loads alone do not fix a tense one
+_NODES = 16
 # what is this near to the bound, relative to it, need not be listed
 _HAIR = 1e-6
 # names of Morse indices in tables; the last one stands for all above
@@ -82,8 +84,16 @@ def as_equilibrium(rod: Rod, clamping: Clamping, torsion_ratio: float) -> Equili
     -------
     Equilibrium
     """
+    line, frames = seen_from_start(rod.middle, torsion_ratio, _NODES)
     return Equilibrium(
-        clamping, torsion_ratio, rod.loads, rod.energy, rod.residual, Status.CONVERGED
+        clamping,
+        torsion_ratio,
+        rod.loads,
+        rod.energy,
+        rod.residual,
+        Status.CONVERGED,
+        node_s=np.linspace(0.0, 1.0, 2 * _NODES + 1),
+        node_pose=np.hstack([line, frames.as_quat(scalar_first=True)]),
     )
 
 
@@ -101,7 +111,7 @@ def kind_of(rod: Rod, clamping: Clamping, torsion_ratio: float) -> int:
     -------
     int
     """
-    return min(index(rod.middle, torsion_ratio, clamping.free_spin)[0], len(INDICES) - 1)
+    return min(index(rod.middle, torsion_ratio, clamping.free_spin), len(INDICES) - 1)
 
 
 def judged(

@@ -19,13 +19,13 @@ from loopelastica.studies.completeness import shots
 
 # functions per component; two counts must agree
 _FUNCTIONS = (24, 36, 54, 81)
-# eigenvalues nearer to zero are those of a family: the largest are about 1
-_ZERO = 1e-6
+# the level ways of a family come out above zero, but for rounding: the largest values are about 1
+_ZERO = 1e-7
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
-def index(middle: Array, torsion_ratio: float, free_spin: bool) -> tuple[int, int]:
-    """Morse index and nullity of an equilibrium.
+def index(middle: Array, torsion_ratio: float, free_spin: bool) -> int:
+    """Morse index of an equilibrium.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def index(middle: Array, torsion_ratio: float, free_spin: bool) -> tuple[int, in
 
     Returns
     -------
-    index, nullity : int
-        How many ways lead downhill, and how many are level.
+    int
+        How many ways lead downhill.
     """
     counts = [_count(middle, torsion_ratio, free_spin, n) for n in _FUNCTIONS[:2]]
     for n in _FUNCTIONS[2:]:
@@ -49,9 +49,9 @@ def index(middle: Array, torsion_ratio: float, free_spin: bool) -> tuple[int, in
     return counts[-1]
 
 
-def _count(middle: Array, torsion_ratio: float, free_spin: bool, n: int) -> tuple[int, int]:
+def _count(middle: Array, torsion_ratio: float, free_spin: bool, n: int) -> int:
     values = np.linalg.eigvalsh(_second_variation(middle, torsion_ratio, free_spin, n))
-    return int((values < -_ZERO).sum()), int((np.abs(values) <= _ZERO).sum())
+    return int((values < -_ZERO).sum())
 
 
 def _second_variation(middle: Array, torsion_ratio: float, free_spin: bool, n: int) -> Array:

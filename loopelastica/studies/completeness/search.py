@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from loopelastica._arrays import Array, Record
 from loopelastica.rod.clamping import Clamping
@@ -222,15 +223,35 @@ def traced(middle: Array, torsion_ratio: float, parts: int = PARTS) -> tuple[Arr
     -------
     line, frames : (2·parts + 1, 3) and (2·parts + 1, 3, 3) ndarray
     """
-    from scipy.spatial.transform import Rotation
+    at, turned = seen_from_start(middle, torsion_ratio, parts)
+    s = np.linspace(0.0, 1.0, 2 * parts + 1)
+    return at, (turned * _spins(torsion_ratio, middle[5] * s)).as_matrix()
 
+
+def seen_from_start(middle: Array, torsion_ratio: float, parts: int) -> tuple[Array, Rotation]:
+    """Center line and frames from the start frame on, turning as if K30 were 1.
+
+    Parameters
+    ----------
+    middle, torsion_ratio, parts
+        As for `traced`.
+
+    Returns
+    -------
+    line : (2·parts + 1, 3) ndarray
+    frames : Rotation
+        As many.
+    """
     poses = shots.trace(middle.copy(), _FINE[0], parts)
-    s = np.linspace(-0.5, 0.5, len(poses))
-    spins = np.zeros((len(s), 3))
-    spins[:, 2] = (1.0 / torsion_ratio - 1.0) * middle[5] * s
-    turned = Rotation.from_quat(poses[:, 3:], scalar_first=True) * Rotation.from_rotvec(spins)
-    frames = turned.as_matrix()
-    return (poses[:, :3] - poses[0, :3]) @ frames[0], frames[0].T @ frames
+    # the extra spin is nothing in the middle
+    turned = Rotation.from_quat(poses[:, 3:], scalar_first=True)
+    turned *= _spins(torsion_ratio, np.array([-0.5 * middle[5]]))
+    return turned[0].inv().apply(poses[:, :3] - poses[0, :3]), turned[0].inv() * turned
+
+
+def _spins(torsion_ratio: float, torsions: Array) -> Rotation:
+    """Turns about the tangent that K30 adds, for M3·s."""
+    return Rotation.from_rotvec(np.outer(torsions, [0.0, 0.0, 1.0 / torsion_ratio - 1.0]))
 
 
 def _at_start(middle: Array, torsion_ratio: float) -> Array:
