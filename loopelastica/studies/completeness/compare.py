@@ -4,6 +4,7 @@ A rod that was hit is expected in the list if its energy is below the list's bou
 if energies and poses are. Their indices are counted by ``morse``.
 """
 
+import math
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -15,8 +16,9 @@ from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibria import equilibria
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.records import Status
+from loopelastica.rod.writhe import net_winding
 from loopelastica.studies.completeness.morse import index
-from loopelastica.studies.completeness.search import PARTS, Rod, mark, same, seen_from_start
+from loopelastica.studies.completeness.search import PARTS, Rod, mark, same, seen_from_start, traced
 
 Row = dict[str, Any]
 
@@ -24,6 +26,8 @@ Row = dict[str, Any]
 EFFORTS: dict[str, int | None] = {"default": None, "deepest": 4}
 # nodes of each half of a rod: loads alone do not fix a tense one
 _NODES = 16
+# points of each half that the winding is counted on
+_WINDING = 200
 # what is this near to the bound, relative to it, need not be listed
 _HAIR = 1e-6
 # names of Morse indices in tables; the last one stands for all above
@@ -174,7 +178,17 @@ def _described(rod: Rod, kind: int, clamping: Clamping, torsion_ratio: float) ->
         "force": float(np.linalg.norm(force)),
         "torsion": float(rod.loads[5]),
         "periods": its.periods,
-        "turns": its.turns,
+        "turns": _turns(rod, clamping, torsion_ratio),
         "residual": rod.residual,
         **dict(zip(("F1", "F2", "F3", "M1", "M2", "M3"), rod.loads.tolist(), strict=True)),
     }
+
+
+def _turns(rod: Rod, clamping: Clamping, torsion_ratio: float) -> int | None:
+    """Whole turns of a rod's net winding; None with a free end spin, which fixes none."""
+    if clamping.free_spin:
+        return None
+    line, frames = traced(rod.middle, torsion_ratio, _WINDING)
+    twist = rod.loads[5] / torsion_ratio / math.tau
+    # half a turn, which rounding would put on either side, counts upwards
+    return math.floor(net_winding(line, frames, turns=twist) + 0.5 + 1e-9)
