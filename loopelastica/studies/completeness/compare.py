@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.rod.clamping import Clamping
@@ -34,8 +35,10 @@ _HAIR = 1e-6
 INDICES = ("minima", "index 1", "index 2", "index 3+")
 
 
-def listed(rods: Sequence[Rod], found: Sequence[Equilibrium], clamping: Clamping) -> list[bool]:
-    """Which rods of the independent search are in a list.
+def matches(
+    rods: Sequence[Rod], found: Sequence[Equilibrium], clamping: Clamping
+) -> NDArray[np.bool_]:
+    """Which rods of the independent search are which of a list.
 
     Parameters
     ----------
@@ -46,16 +49,15 @@ def listed(rods: Sequence[Rod], found: Sequence[Equilibrium], clamping: Clamping
 
     Returns
     -------
-    list of bool
-        One per rod.
+    (rods, found) ndarray of bool
     """
     s = np.linspace(0.0, 1.0, 2 * PARTS + 1)
-    marks = [mark(rod.centerline(s), rod.frames(s), rod.loads, clamping) for rod in found]
-    energies = [rod.energy for rod in found]
-    return [
-        any(same(e, m, rod.energy, rod.mark) for e, m in zip(energies, marks, strict=True))
-        for rod in rods
-    ]
+    equal = np.zeros((len(rods), len(found)), dtype=np.bool_)
+    for j, other in enumerate(found):
+        its_mark = mark(other.centerline(s), other.frames(s), other.loads, clamping)
+        for i, rod in enumerate(rods):
+            equal[i, j] = same(rod.energy, rod.mark, other.energy, its_mark)
+    return equal
 
 
 def below(rods: Sequence[Rod], energy_max: float) -> list[Rod]:
@@ -144,12 +146,13 @@ def judged(
     found = equilibria(clamping, torsion_ratio, rounds=EFFORTS[effort])
     seconds = time.perf_counter() - started
     expected = below(rods, found.energy_max)
-    there = np.array(listed(expected, found, clamping), dtype=np.bool_)
+    there = matches(expected, found, clamping).any(axis=1)
     kinds = np.array([kind_of(rod, clamping, torsion_ratio) for rod in expected], dtype=np.int64)
     hits = np.array([rod.hits for rod in expected], dtype=np.int64)
     row: Row = {
         "effort": effort,
         "listed": len(found),
+        "listed_hit": int(matches(rods, found, clamping).any(axis=0).sum()),
         "energy_max": found.energy_max,
         "unseen": found.unseen,
         "seconds": round(seconds, 6),

@@ -49,7 +49,8 @@ def markdown(rows: Sequence[Row], bins: Sequence[Row], indices: Sequence[str], s
         "kind": ("poses", ""),
         "poses": ("number", "d"),
         "listed": ("listed", "d"),
-        "rods": ("rods hit", "d"),
+        "listed_hit": ("of these hit", "d"),
+        "rods": ("expected", "d"),
         "hits %": ("hits listed / %", ".2f"),
         "rods %": ("rods / %", ".2f"),
         **{f"{name} %": (f"{name} / %", ".2f") for name in indices},
@@ -62,9 +63,8 @@ def markdown(rows: Sequence[Row], bins: Sequence[Row], indices: Sequence[str], s
         "# Completeness of lists of equilibria", "", f"{setting()}; one core.", "",
         f"{poses} poses, each searched from {starts:,d} random loads by an integrator and a"
         " corrector of the study's own. A rod that was hit is expected where its energy is below"
-        " the list's bound; hits count it as often as it was found. Of the rods near a fold or of"
-        " a small basin such a search hits few: what it lacks, it cannot miss."
-        f" It hit nothing at {lost} of the poses.",
+        " the list's bound; hits count it as often as it was found. It is a sample: of the listed"
+        f" rods it hit some only, and at {lost} of the poses none.",
         "", "## Listed", "", markdown_table(coverage(rows, indices), columns),
         "", "## Said and measured", "",
         "`unseen` beside the shares that were missing, in bins of at least 30 poses; the interval"

@@ -16,10 +16,12 @@ from loopelastica.rod.clamping import Clamping
 from loopelastica.studies.bench.poses import directions
 from loopelastica.studies.completeness import shots
 
-# |F| of the starts, log-uniform; |M| across the tangent, uniform; energy of the twist at most
-_FORCES, _BENDING, _TWISTING = (3.0, 300.0), 16.0, 120.0
-# half of them bend less in the middle, by down to 10 to this power
-_SHARP = -3.0
+# most of the starts: |F|, log-uniform; |M| across the tangent, uniform to this
+_FORCES, _BENDING = (3.0, 300.0), 16.0
+# the others, about loops: their share, |F|, log-uniform, and how far they are off, relative
+_LOOPING, _TENSIONS, _SPREAD = 1 / 3, (10.0, 1000.0), 0.3
+# energy of the twist, at most
+_TWISTING = 120.0
 # radians per step and misfit to reach: while searching, refined, and of the check
 _COARSE, _FINE, _CHECK = (1.0, 1e-6), (0.12, 1e-11), (0.06, 1e-9)
 _PATIENCE = 70
@@ -77,20 +79,40 @@ def random_middles(
     -------
     (n, 6) ndarray
     """
-    low, high = np.log(_FORCES)
-    size = np.exp(rng.uniform(low, high, (n, 1)))
-    force, across = directions(rng, n), rng.uniform(0.0, _BENDING, n)
-    # every other start is nearly straight in the middle, as a tense rod is
-    tense = rng.random(n) < 0.5
-    sharp = 10.0 ** rng.uniform(_SHARP, 0.0, (2, n))
-    force[tense, :2] *= sharp[0, tense, None]
-    force[tense] /= np.linalg.norm(force[tense], axis=1, keepdims=True)
-    force[tense, 2] = np.abs(force[tense, 2])
-    across[tense] *= sharp[1, tense]
-    angle = rng.uniform(0.0, math.tau, n)
     twist = math.sqrt(2.0 * torsion_ratio * _TWISTING) * rng.uniform(-1.0, 1.0, n)
-    moment = [across * np.cos(angle), across * np.sin(angle), (not free_spin) * twist]
-    return np.column_stack([size * force, *moment])
+    across, force = _anyhow(rng, n)
+    loops = rng.random(n) < _LOOPING
+    across[loops], force[loops] = _loops(rng, int(loops.sum()))
+    return np.column_stack([force, across, (not free_spin) * twist])
+
+
+def _log_uniform(rng: np.random.Generator, bounds: tuple[float, float], n: int) -> Array:
+    low, high = np.log(bounds)
+    return np.exp(rng.uniform(low, high, n))
+
+
+def _anyhow(rng: np.random.Generator, n: int) -> tuple[Array, Array]:
+    """Moments across the tangent (n, 2) and forces (n, 3), in all directions."""
+    size = _log_uniform(rng, _FORCES, n)[:, None]
+    angle, bending = rng.uniform(0.0, math.tau, n), rng.uniform(0.0, _BENDING, (n, 1))
+    return bending * np.column_stack([np.cos(angle), np.sin(angle)]), size * directions(rng, n)
+
+
+def _loops(rng: np.random.Generator, n: int) -> tuple[Array, Array]:
+    """Moments across the tangent (n, 2) and forces (n, 3) near those of a loop in a long rod.
+
+    The angle of the tangent with the force is 4 atan exp(√F s) about a loop at s = 0 (Love 1927,
+    art. 262): only with nearly these loads is a rod tense and yet loops.
+    """
+    size = _log_uniform(rng, _TENSIONS, n)
+    root, s = np.sqrt(size), rng.uniform(-0.5, 0.5, n)
+    angle = 4.0 * np.arctan(np.exp(root * s))
+    bending = 2.0 * root / np.cosh(root * s) * (1.0 + _SPREAD * rng.normal(size=n))
+    azimuth, tilt = rng.uniform(0.0, math.tau, n), _SPREAD * rng.normal(size=n)
+    side = np.column_stack([np.cos(azimuth), np.sin(azimuth)])
+    force = np.column_stack([np.sin(angle)[:, None] * side, np.cos(angle)])
+    turned = np.column_stack([np.sin(azimuth + tilt), -np.cos(azimuth + tilt)])
+    return bending[:, None] * turned, size[:, None] * force
 
 
 def search(

@@ -39,6 +39,7 @@ def coverage(rows: Sequence[Row], indices: Sequence[str]) -> list[Row]:
                 "kind": kind,
                 "poses": len(chosen),
                 "listed": sum(row["listed"] for row in chosen),
+                "listed_hit": sum(row["listed_hit"] for row in chosen),
                 "seconds_median": float(np.median(times)),
                 "seconds_max": max(times),
             }

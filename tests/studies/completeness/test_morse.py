@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica.rod.stability import assess
-from loopelastica.studies.completeness.compare import listed
+from loopelastica.studies.completeness.compare import matches
 from loopelastica.studies.completeness.morse import index
 from loopelastica.studies.completeness.search import search
 
@@ -49,9 +49,7 @@ def test_it_is_the_index_counted_from_conjugate_points(torsion_ratio, free):
         clamping = le.Clamping(rng.uniform(-0.4, 0.4, 3), rotation.as_matrix(), free)
         rods = search(clamping, torsion_ratio, 150, rng, 80.0)
         found = [assess(rod) for rod in le.equilibria(clamping, torsion_ratio)]
-        for rod in rods:
-            for other in found:
-                if listed([rod], [other], clamping)[0]:
-                    assert index(rod.middle, torsion_ratio, free) == other.index
-                    compared += 1
+        for i, j in np.argwhere(matches(rods, found, clamping)):
+            assert index(rods[i].middle, torsion_ratio, free) == found[j].index
+            compared += 1
     assert compared >= 10

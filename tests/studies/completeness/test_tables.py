@@ -9,6 +9,7 @@ INDICES = ("minima", "index 1")
 def row(unseen, rods=10, missed=0, effort="default", kind="fixed", seconds=0.1):
     return {
         "effort": effort, "kind": kind, "unseen": unseen, "seconds": seconds, "listed": rods,
+        "listed_hit": rods,
         "rods": rods, "rods_listed": rods - missed, "hits": 10 * rods,
         "hits_listed": 10 * rods - missed, "minima": 1, "minima listed": 1,
         "index 1": 0, "index 1 listed": 0,
