@@ -23,7 +23,7 @@ _LOOPING, _TENSIONS, _SPREAD = 1 / 3, (10.0, 1000.0), 0.3
 # energy of the twist, at most
 _TWISTING = 120.0
 # radians per step and misfit to reach: while searching, refined, and of the check
-_COARSE, _FINE, _CHECK = (1.0, 1e-6), (0.12, 1e-11), (0.06, 1e-9)
+_COARSE, _FINE, _CHECK = (1.4, 1e-6), (0.12, 1e-11), (0.06, 1e-9)
 _PATIENCE = 70
 # 1 − |η| below which a rod is pulled from one with that much, and the logarithm of each step
 _LOOSE, _PULL = 0.15, 0.05

@@ -35,7 +35,9 @@ _A = np.array(
 )
 _B = np.array([11 / 120, 0.0, 27 / 40, 27 / 40, -4 / 15, -4 / 15, 11 / 120])
 # loads that turn the rod faster than this (radians per length) are no rod of interest
-_FASTEST = 250.0
+_FASTEST = 200.0
+# after so many iterations a misfit above this will hardly ever vanish
+_LATE, _HOPELESS = 24, 0.25
 
 
 @kernel
@@ -273,8 +275,10 @@ def descend(
         x[5] = 0.0
     worst = misfit(x, torsion_ratio, position, rotation, free, radians, res, jac, work)
     damping, growth = 1e-2, 2.0
-    for _ in range(iterations):
+    for iteration in range(iterations):
         if not worst > goal or worst == math.inf:
+            break
+        if iteration >= _LATE and worst * iteration > _HOPELESS * _LATE:
             break
         square = 0.0
         for i in range(12):
