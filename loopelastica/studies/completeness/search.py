@@ -138,23 +138,28 @@ def search(
     """
     near, *path = _pulled(clamping)
     middles = random_middles(rng, starts, torsion_ratio, clamping.free_spin)
-    # loads that are far from the lowest are let go before they cost more
-    found = _refined(middles, near, torsion_ratio, None if path else span)
+    # what is higher may come lower on the way
+    found = _refined(middles, near, torsion_ratio, 2.0 * span if path else span)
     for further in path:
-        found = _followed(found, further, torsion_ratio)
-    lowest = min((rod.energy for rod in found), default=0.0)
-    return sorted((r for r in found if r.energy <= lowest + span), key=lambda rod: rod.energy)
+        found = _low(_followed(found, further, torsion_ratio), 2.0 * span)
+    return _low(found, span)
+
+
+def _low(rods: list[Rod], span: float) -> list[Rod]:
+    """Those at most ``span`` above the lowest, in order."""
+    lowest = min((rod.energy for rod in rods), default=0.0)
+    return sorted((r for r in rods if r.energy <= lowest + span), key=lambda rod: rod.energy)
 
 
 def _refined(
-    middles: Array, clamping: Clamping, torsion_ratio: float, span: float | None
+    middles: Array, clamping: Clamping, torsion_ratio: float, span: float = math.inf
 ) -> list[Rod]:
     """The rods that loads (n, 6) lead to, refined and checked."""
     left = _descend(middles, clamping, torsion_ratio, *_COARSE)
     middles = middles[left <= _COARSE[1]]
     energies = np.array([energy_of(x, clamping, torsion_ratio) for x in middles])
-    if span is not None and len(middles):
-        middles = middles[energies <= energies.min() + 1.01 * span]
+    # those far from the lowest are let go before they cost more
+    middles = middles[energies <= energies.min(initial=math.inf) + 1.01 * span]
     left = _descend(middles, clamping, torsion_ratio, *_FINE)
     found: list[Rod] = []
     for middle in middles[left <= _FINE[1]]:
@@ -166,7 +171,7 @@ def _followed(rods: list[Rod], clamping: Clamping, torsion_ratio: float) -> list
     """``rods`` of a clamping nearby, corrected for this one; they keep their hits."""
     found: list[Rod] = []
     for rod in rods:
-        for new in _refined(rod.middle[None].copy(), clamping, torsion_ratio, None):
+        for new in _refined(rod.middle[None].copy(), clamping, torsion_ratio):
             _merge(found, replace(new, hits=rod.hits))
     return found
 
