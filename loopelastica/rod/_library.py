@@ -63,15 +63,15 @@ class StoredRods:
         found : (m,) ndarray of int
             How many of each row are not further than `within`; the loads after these mean nothing.
         """
-        points, angles = _points(positions, rotations, self.free_spin)
+        points, angles = pose_points(positions, rotations, self.free_spin)
         ranks = np.arange(1, count + 1)
         distance, index = self.tree.query(points, ranks, _LAX, distance_upper_bound=within)
         found = np.isfinite(distance).sum(axis=1)
         index = np.where(np.isfinite(distance), index, 0)
-        return _turn_loads(self.loads[index], angles[:, None]), found
+        return turned_loads(self.loads[index], angles[:, None]), found
 
 
-def _turn_loads(loads: Array, angles: Array) -> Array:
+def turned_loads(loads: Array, angles: Array) -> Array:
     """Force and moment turned about d3 by ``angles``, shapes (..., 6) and (...)."""
     c, s = np.cos(angles), np.sin(angles)
     turned = loads.copy()
@@ -81,7 +81,7 @@ def _turn_loads(loads: Array, angles: Array) -> Array:
     return turned
 
 
-def _points(positions: Array, rotations: Array, free_spin: bool) -> tuple[Array, Array]:
+def pose_points(positions: Array, rotations: Array, free_spin: bool) -> tuple[Array, Array]:
     """Points of the reduced pose space and the angles φ_a of eq. 19."""
     angles = np.arctan2(positions[:, 1], positions[:, 0])
     eta = np.stack([np.hypot(positions[:, 0], positions[:, 1]), positions[:, 2]], axis=1)
@@ -115,5 +115,5 @@ def stored_rods(torsion_ratio: float, free_spin: bool) -> StoredRods:
         rotation = rotation * Rotation.from_rotvec(
             np.array([0.0, 0.0, 1.0]) * (loads[:, 5:] * (1.0 / torsion_ratio - 1.0))
         )
-    points, angles = _points(positions, rotation.as_matrix(), free_spin)
-    return StoredRods(_turn_loads(loads, -angles), KDTree(points, leafsize=20), free_spin)
+    points, angles = pose_points(positions, rotation.as_matrix(), free_spin)
+    return StoredRods(turned_loads(loads, -angles), KDTree(points, leafsize=20), free_spin)

@@ -198,10 +198,11 @@ class Clamping(Record):
     def on_one_line(self) -> bool:
         """Whether both end tangents lie on the line through both ends (θ_R = 0, η1 = η2 = 0).
 
-        Any rod can then be turned about that line at no cost: solutions come in circles.
+        Any rod can then be turned about that line at no cost: solutions come in circles. With a
+        free end spin the tangents may also be opposed (θ_R = π); a fixed end frame would spin.
         """
         across = max(np.abs(self.position[:2]).max(), np.abs(self.rotation[:2, 2]).max())
-        return bool(across < 1e-9 and self.rotation[2, 2] > 0)
+        return bool(across < 1e-9 and (self.free_spin or self.rotation[2, 2] > 0))
 
     @property
     def closed(self) -> bool:

@@ -1,36 +1,34 @@
-"""All equilibria of a clamping that many starts can find.
+"""All equilibria of a clamping that a search from several sides can find.
 
-What ``solve`` finds is always among them. Then two kinds of starts take turns. The structured ones
-of ``multistart`` (whole turns, sides, bows, half waves) mostly end in minima; Newton's method from
-the nearest rods of the guess library (``_library``) finds saddles as well.
+What ``solve`` finds is always among them. Then, round by round, more ways are tried (``_search``):
+
+* structured starts of ``multistart`` (whole turns, as many as the bound allows, and the sides of
+  the end layers), which end in minima or, taken as they stand, in saddles of tense rods;
+* Newton's method from the nearest of some ten thousand drawn rods, shot from their middle;
+* tours: the end of each rod found is turned all the way round about d1, d2 and d3 of its frame, and
+  whatever has the same clamping again is another equilibrium (or the same);
+* Newton's method from random loads.
+
 What they lead to is compared at nine points along the rod: two results are one equilibrium if
 positions and frames agree within `SAME`. Where both ends lie on one line the rod can be turned
-about it at no cost, and two results are one if they agree after such a turn.
-
-From how often each equilibrium was hit follows how much is still unseen (Good–Turing: the share of
-hits that were first and only ones is the chance that the next start finds something new). Rounds
-go on, to more turns and farther rods of the library, until that falls under `UNSEEN` or the starts
-are used up.
+about it at no cost, and two results are one if they agree after such a turn; a closed rod can be
+shifted along itself as well.
 """
 
 import functools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica._checks import instance, optional, positive, whole
 from loopelastica.rod._arguments import check_torsion_ratio
-from loopelastica.rod._library import stored_rods
+from loopelastica.rod._search import Search, Tours
 from loopelastica.rod._starts import (
     TOLERANCE,
     Deadline,
     check_tolerance,
-    from_loads,
-    from_start,
     straight,
 )
 from loopelastica.rod.clamping import Clamping
@@ -41,24 +39,32 @@ from loopelastica.rod.stability import assess
 
 # largest difference of position (L) or frame components between two copies of one equilibrium
 SAME = 1e-5
-UNSEEN = 0.02
-# Newton steps from a rod of the guess library
-_PATIENCE = 40
 # bending the rod twice around costs ½(4π)²
 ENERGY_SPAN = 8.0 * math.pi**2
 
 _SIDES = ((False, False), (True, False), (False, True), (True, True))
 _WAVES = (2.0, 3.0, 4.0, 5.0, 6.0)
+# whole turns that starts are wound up to at most
+_MOST_TURNS = 12
 
 
-def _sided(turns: tuple[float, ...], bow: float = 0.0, minimized: bool = True) -> tuple[Start, ...]:
-    return tuple(
-        Start(n, bow, over_0=a, over_1=b, minimized=minimized) for n in turns for a, b in _SIDES
-    )
+@dataclass(frozen=True, slots=True)
+class _Round:
+    """What a round adds: nearest drawn rods, random loads, tours from as many rods at most."""
+
+    drawn: int
+    random: int
+    tours: int
 
 
-def _waves(turns: tuple[float, ...]) -> tuple[Start, ...]:
-    return tuple(Start(n, half_waves=k, minimized=False) for n in turns for k in _WAVES)
+# each is made after the ones before it
+_ROUNDS = (_Round(40, 0, 0), _Round(110, 0, 100), _Round(450, 400, 400), _Round(1400, 2000, 2000))
+_AXES = ("d3", "d1", "d2")
+_DEFAULT_ROUNDS = 2
+
+
+def _sided(turns: tuple[float, ...], minimized: bool = True) -> tuple[Start, ...]:
+    return tuple(Start(n, over_0=a, over_1=b, minimized=minimized) for n in turns for a, b in _SIDES)
 
 
 def _both(turns: tuple[float, ...]) -> tuple[Start, ...]:
@@ -66,48 +72,56 @@ def _both(turns: tuple[float, ...]) -> tuple[Start, ...]:
     return (*_sided(turns), *_sided(turns, minimized=False))
 
 
-# rounds: their starts, and how many rods of the guess library follow
-_ROUNDS: tuple[tuple[tuple[Start, ...], int], ...] = (
-    ((*_both((0.0, 1.0, -1.0)), *_waves((0.0,))), 16),
-    (
-        (
-            *_waves((1.0, -1.0)),
-            *_both((2.0, -2.0)),
-            *(Start(n, bow=0.8) for n in (0.0, 1.0, -1.0)),
-        ),
-        32,
-    ),
-    (_both((3.0, -3.0, 4.0, -4.0)), 64),
-    ((), 128),
-)
-_FREE_ROUNDS: tuple[tuple[tuple[Start, ...], int], ...] = (
-    ((*_both((0.0,)), *_waves((0.0,))), 16),
-    ((*_sided((0.0,), 0.3), *_sided((0.0,), 0.8)), 32),
-    ((*_sided((0.0,), 1.5), *_sided((0.0,), 3.0)), 64),
-    ((), 128),
-)
+def _structured(clamping: Clamping, torsion_ratio: float, energy: float) -> tuple[Start, ...]:
+    """The structured starts of a search up to an ``energy``."""
+    waves = _WAVES if _nearly_in_line(clamping) else ()
+    if clamping.free_spin:
+        return (*_both((0.0,)), *(Start(half_waves=k, minimized=False) for k in waves))
+    # beyond, a rod's twist alone costs more
+    most = min(_MOST_TURNS, max(2, math.ceil(math.sqrt(2.0 * energy / torsion_ratio) / math.tau)))
+    wound = tuple(sign * n for n in range(2, most + 1) for sign in (1.0, -1.0))
+    return (
+        *_both((0.0, 1.0, -1.0)),
+        *(Start(n) for n in wound),
+        *(Start(n, over_0=a, over_1=not a, minimized=False) for n in wound for a in (True, False)),
+        *(Start(n, half_waves=k, minimized=False) for k in waves for n in (0.0, 1.0, -1.0)),
+    )
 
 
 class Equilibria(list[Equilibrium]):
-    """Equilibria of one clamping, lowest energy first.
+    """Equilibria of one clamping, lowest energy first, and what is known of their completeness.
 
     Attributes
     ----------
     energy_max : float
         The bound below which equilibria are listed.
     unseen : float
-        Good–Turing estimate of the chance that the next start that converges below the bound
-        finds an equilibrium that is not listed; 1 if nothing was found.
+        Estimate of the chance that an equilibrium below the bound which a search of another kind
+        hits is not listed; 1 if nothing was found.
     starts : int
         How many starts were made.
     hits : tuple of int
-        How often each listed equilibrium was found.
+        At how many starts' end each listed equilibrium was found; 0 for those met on tours only.
+    rounds : int
+        How many rounds of the search were made.
+    found_by : dict
+        How many rods each way found first, of any energy.
+    tours : Tours
+        How the curves ended that were followed from the rods found.
     out_of_time : bool
         Whether a time limit ended the search.
     """
 
     def __init__(
-        self, found: "list[_Found]", energy_max: float, starts: int, out_of_time: bool = False
+        self,
+        found: "list[_Found]",
+        energy_max: float,
+        starts: int,
+        out_of_time: bool = False,
+        *,
+        rounds: int = 0,
+        found_by: dict[str, int] | None = None,
+        tours: Tours | None = None,
     ) -> None:
         below = sorted((f for f in found if f.rod.energy <= energy_max), key=lambda f: f.rod.energy)
         super().__init__(f.rod for f in below)
@@ -115,6 +129,7 @@ class Equilibria(list[Equilibrium]):
         self.starts = starts
         self.out_of_time = out_of_time
         self.hits = tuple(f.hits for f in below)
+        self.rounds, self.found_by, self.tours = rounds, found_by or {}, tours or Tours()
         self.unseen = self.hits.count(1) / sum(self.hits) if below else 1.0
 
 
@@ -192,57 +207,44 @@ def equilibria(
         raise ValueError(f"`rounds` is {rounds}; it must be 1 to {len(_ROUNDS)}")
     stretched = straight(clamping, torsion_ratio)
     if stretched is not None:
-        return _result([_Found(stretched, 2)], energy_max, 1)
+        return Equilibria([_Found(stretched, 2)], _bound(energy_max, stretched.energy), 1)
+    search = Search(clamping, torsion_ratio, tolerance, deadline)
     # no list may call a rod the lowest that `solve` undercuts
-    found: list[_Found] = []
     lowest = solve(clamping, torsion_ratio, tolerance=tolerance, time_limit_s=time_limit_s)
-    _merge(found, lowest)
-    planned = (_FREE_ROUNDS if clamping.free_spin else _ROUNDS)[:rounds]
+    search.add(lowest, "solve")
     if turns is not None:
-        planned = ((_both((turns + 0.0, turns + 1.0, turns - 1.0)), 0), *planned)
-    guesses = _stored(clamping, torsion_ratio, sum(count for _, count in planned))
-    starts, used = 1, 0
-    for number, (everything, count) in enumerate(planned, start=1):
-        ways = _ways(clamping, torsion_ratio, everything, guesses[used : used + count], tolerance)
-        used += count
-        for way in ways:
-            if deadline.passed:
-                break
-            _merge(found, way())
-            starts += 1
-        chosen = [f for f in found if turns is None or f.rod.turns == turns]
-        result = _result(chosen, energy_max, starts, deadline.passed)
-        if deadline.passed or (number >= 2 and result.unseen < UNSEEN):
+        search.structured(_both((turns + 0.0, turns + 1.0, turns - 1.0)))
+    span = ENERGY_SPAN if energy_max is None else energy_max
+    search.structured(_structured(clamping, torsion_ratio, span))
+    done = drawn = 0
+    for plan in _ROUNDS[: rounds or _DEFAULT_ROUNDS]:
+        search.drawn(drawn, drawn + plan.drawn)
+        drawn += plan.drawn
+        search.random(plan.random)
+        for axis in _AXES if plan.tours else ():
+            search.tour(axis, _bound(energy_max, search.lowest), plan.tours)
+        if deadline.passed:
             break
+        done += 1
+    bound = _bound(energy_max, search.lowest)
+    found: list[_Found] = []
+    for rod, hits in search.solutions(bound):
+        _merge(found, rod, hits)
+    result = Equilibria(
+        [f for f in found if turns is None or f.rod.turns == turns],
+        bound,
+        search.starts,
+        deadline.passed,
+        rounds=done,
+        found_by=search.found_by,
+        tours=search.tours,
+    )
     result[:] = [assess(rod) for rod in result]
     return result
 
 
-def _ways(
-    clamping: Clamping,
-    torsion_ratio: float,
-    starts: tuple[Start, ...],
-    guesses: Array,
-    tolerance: float,
-) -> list[Callable[[], Equilibrium]]:
-    """The starts of a round: structured ones, then rods of the guess library."""
-    waves = _nearly_in_line(clamping)
-    structured = [start for start in starts if waves or start.half_waves == 0.0]
-    shot = partial(from_loads, clamping, torsion_ratio, patience=_PATIENCE, tolerance=tolerance)
-    return [
-        *(partial(from_start, clamping, torsion_ratio, s, tolerance) for s in structured),
-        *(partial(shot, loads=guess) for guess in guesses),
-    ]
-
-
-def _stored(clamping: Clamping, torsion_ratio: float, count: int) -> Array:
-    """Loads (count, 6) of the rods of the guess library nearest to a clamping."""
-    if count == 0:
-        return np.empty((0, 6))
-    stored = stored_rods(torsion_ratio, clamping.free_spin)
-    loads, _ = stored.nearest(clamping.position[None], clamping.rotation[None], count)
-    nearest: Array = loads[0]
-    return nearest
+def _bound(energy_max: float | None, lowest: float) -> float:
+    return (lowest if math.isfinite(lowest) else 0.0) + ENERGY_SPAN if energy_max is None else energy_max
 
 
 def _nearly_in_line(clamping: Clamping) -> bool:
@@ -255,24 +257,16 @@ def _nearly_in_line(clamping: Clamping) -> bool:
     return bool(clamping.position[2] > 0.95 * size and clamping.position @ tangent > 0.95 * size)
 
 
-def _result(
-    found: list[_Found], energy_max: float | None, starts: int, out_of_time: bool = False
-) -> Equilibria:
-    lowest = min((f.rod.energy for f in found), default=0.0)
-    bound = lowest + ENERGY_SPAN if energy_max is None else energy_max
-    return Equilibria(found, bound, starts, out_of_time)
-
-
-def _merge(found: list[_Found], rod: Equilibrium) -> None:
-    """Count ``rod``, if it converged, as a hit of the equilibrium that it equals, or add it."""
+def _merge(found: list[_Found], rod: Equilibrium, hits: int = 1) -> None:
+    """Add ``rod``, if it converged, or its hits to those of the equilibrium that it equals."""
     if not rod.converged:
         return
-    new = _Found(rod)
+    new = _Found(rod, hits)
     same = _same(found, new)
     if same is None:
         found.append(new)
         return
-    same.hits += 1
+    same.hits += hits
     if rod.residual < same.rod.residual:
         same.rod = rod
 
@@ -302,8 +296,13 @@ def _mark(rod: Equilibrium) -> Array:
     frames = Rotation.from_quat(poses[:, 3:], scalar_first=True).as_matrix()
     if not rod.clamping.on_one_line:
         return np.concatenate([poses[:, :3].ravel(), frames.ravel()])
-    # what a turn about the common line leaves alone; the moments tell mirror images apart
     force, moment = rod.loads[:3], rod.loads[3:]
+    if rod.clamping.closed:
+        # what a shift along the rod leaves alone besides
+        size = np.linalg.norm(force)
+        constants = [size, float(force @ moment) / (1.0 + size), float(moment @ moment) / 2 + force[2]]
+        return np.array([rod.twist, *np.divide(constants, 1.0 + size)])
+    # what a turn about the common line leaves alone; the moments tell mirror images apart
     return np.concatenate(
         [
             np.hypot(poses[:, 0], poses[:, 1]),

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 # ends nearer than this are one point
 _ONE_POINT = 1e-9
 
+# points of a closed rod, and how even its curvature is if it is a circle
+_ALL_ROUND, _ROUND = 33, 1e-5
+
 # steps per radian of turning when a solution is drawn: 1e-12 over unit length
 _DENSITY = 4.0
 
@@ -159,8 +162,24 @@ class Equilibrium(Record):
 
     @property
     def family(self) -> bool:
-        """Whether it stands for a circle of solutions: both ends on one line, the rod off it."""
-        return self.clamping.on_one_line and self.method != Method.STRAIGHT
+        """Whether it stands for a family of solutions that a motion carries into one another."""
+        return self.family_dimension > 0
+
+    @property
+    def family_dimension(self) -> int:
+        """Dimension of the family of solutions of the same energy that it stands for.
+
+        0 where it stands alone. 1, a circle, where both ends are on one line: the rod turns about
+        it. 2 for a closed rod, which can also be shifted along itself; but 1 for a circle run
+        through once or several times, which such a shift turns only.
+        """
+        clamping = self.clamping
+        if not clamping.on_one_line or not self.converged or self.method == Method.STRAIGHT:
+            return 0
+        if not clamping.closed:
+            return 1
+        curvature = self.curvature(_ALL_ROUND)
+        return 1 if np.ptp(curvature) < _ROUND * curvature.max() else 2
 
     @property
     def writhe(self) -> float | None:

@@ -1,15 +1,16 @@
 """Which equilibria hold: the Morse index of a solution.
 
 The index is the number of independent directions in which the energy falls while both ends stay
-clamped; zero is a local minimum. It is counted from conjugate points and from the inertia of a
-discretized Hessian (see ``second_variation``). Where they differ — multiple conjugate points, which
-sign changes miss in pairs, or a point on the verge — the discretization is refined until two meshes
-agree, and decides; but of a mode so soft that the error of the mesh could turn its sign, as where
-both ends are nearly on one line, the conjugate points decide. For √F above `STIFF` only the inertia
-is used: det V has lost its digits there.
+clamped; zero is a local minimum. It is counted in two ways (see ``second_variation``). The inertia
+of a discretized Hessian, on the directions that keep the end in place, tells it but for modes so
+soft that the mesh could turn their sign: a window around zero. The conjugate points have the
+index's parity, multiple ones being missed in pairs only. So the inertia counts if its parity is
+right, and if one mode is in the window the parity tells its sign; else the mesh is refined. For √F
+above `STIFF` det V has lost its digits, and two meshes must agree.
 
-A rod stretched straight has nowhere to go and is stable. Where both ends lie on one line the turn
-of the rod about it costs nothing; such a zero mode does not count.
+A family of rods (`Equilibrium.family_dimension`) has zero modes, as many as its dimensions: turns
+about the common line of both ends, shifts of a closed rod along itself. They cost nothing and do
+not count. A rod stretched straight has nowhere to go and is stable.
 """
 
 import math
@@ -17,18 +18,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from loopelastica._arrays import Array
+from loopelastica.rod._discrete import discrete_copy, segments, turning
 from loopelastica.rod.equilibrium import Equilibrium
-from loopelastica.rod.kernels.discrete_rod import DiscreteRod
-from loopelastica.rod.kernels.discrete_starts import graded_nodes
 from loopelastica.rod.kernels.records import Method
 from loopelastica.rod.kernels.second_variation import inertia, sign_changes
 from loopelastica.rod.kernels.shooting import moment_bound
 
 STIFF = 25.0
-_MESHES = (64, 128, 256, 512)
-# per unit length: below any mode that matters, above the error of a zero mode on these meshes
-_ZERO_MODE = 0.05
+# most that a frame turns from one segment to the next, and the error of an eigenvalue near zero
+# for such a turn: 3.2 was the largest of 1,037, and it falls with the square of the turn
+_HINGE, _ERROR = 0.4, 4.0
+# below any mode that matters
+_SOFTEST = 0.05
+_REFINEMENTS = 4
+# places per radian of the fastest turning, and at least, where the sign of det V is asked for; the
+# last place where det V must vanish at the end
+_PER_RADIAN, _PLACES, _BEFORE_END = 4.0, 48, 1e-4
 
 
 def assess(rod: Equilibrium) -> Equilibrium:
@@ -60,43 +65,37 @@ def morse_index(rod: Equilibrium) -> int:
     """Number of independent ways downhill from a converged equilibrium, ends clamped."""
     if rod.method == Method.STRAIGHT:
         return 0
-    root = math.sqrt(float(np.linalg.norm(rod.loads[:3])))
-    by_mesh = [_inertia(rod, root, _MESHES[0])]
-    if root <= STIFF:
-        conjugate = conjugate_points(rod)
-        if conjugate == by_mesh[0]:
-            return conjugate
-        few, many = (_inertia(rod, root, _MESHES[0], s) for s in (_ZERO_MODE, -_ZERO_MODE))
-        if few <= conjugate <= many:
-            return conjugate
-    for mesh in _MESHES[1:]:
-        by_mesh.append(_inertia(rod, root, mesh))
-        if by_mesh[-1] == by_mesh[-2]:
-            break
-    return by_mesh[-1]
+    tense = math.sqrt(float(np.linalg.norm(rod.loads[:3]))) > STIFF
+    n, before = segments(rod, _HINGE), -1
+    conjugate = None if tense else conjugate_points(rod)
+    for _ in range(_REFINEMENTS):
+        few, many = _between(rod, n)
+        soft = many - few - rod.family_dimension
+        odd = 0 if conjugate is None else (conjugate - few) % 2
+        if conjugate is not None and (soft == 1 or (soft < 1 and not odd)):
+            return few + odd
+        if conjugate is None and soft < 1 and few == before:
+            return few
+        n, before = 2 * n, few
+    return few
 
 
 def conjugate_points(rod: Equilibrium) -> int:
     """Sign changes of det V in (0, L): conjugate points of odd multiplicity."""
-    # several points per radian of the fastest turning
     loads = rod.loads.copy()
-    n = max(160, int(12 * moment_bound(loads)))
-    s = np.linspace(0.0, 1.0, n + 1)
+    s = np.linspace(0.0, 1.0, max(_PLACES, int(_PER_RADIAN * moment_bound(loads))) + 1)
+    if rod.family:
+        # the end is conjugate to the start itself
+        s[-1] = 1.0 - _BEFORE_END
     poses = rod.poses_without_spin(s)
     return int(sign_changes(loads, rod.torsion_ratio, rod.clamping.free_spin, s, poses))
 
 
-def _inertia(rod: Equilibrium, root: float, n: int, shift: float = 0.0) -> int:
-    s = np.empty(n + 1)
-    graded_nodes(min(root, 200.0), s)
-    frames: Array = np.empty((n + 2, 4))
-    frames[0] = (1.0, 0.0, 0.0, 0.0)
-    frames[1:] = rod.poses(np.append(0.5 * (s[1:] + s[:-1]), 1.0))[:, 3:]
-    if rod.clamping.on_one_line:
-        shift = _ZERO_MODE
-    return int(
-        inertia(
-            rod.loads.copy(), rod.clamping.position.copy(), rod.torsion_ratio,
-            rod.clamping.free_spin, DiscreteRod(s, frames), shift,
-        )
+def _between(rod: Equilibrium, n: int) -> tuple[int, int]:
+    """The least and the largest index that a mesh of ``n`` segments allows."""
+    window = max(_SOFTEST, _ERROR * (turning(rod) / (_HINGE * n)) ** 2)
+    few, many = inertia(
+        rod.loads.copy(), rod.clamping.position.copy(), rod.torsion_ratio,
+        rod.clamping.free_spin, discrete_copy(rod, n), window,
     )  # fmt: skip
+    return int(few), int(many)

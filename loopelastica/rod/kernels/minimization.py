@@ -161,7 +161,7 @@ def _combine(gradient, step):
 
 
 @kernel
-def _line_search(rod, position, k3, step, energy, mu, downhill, t, omega, trial, trial_c):
+def line_search(rod, position, k3, step, energy, mu, downhill, t, omega, trial, trial_c):
     """Backtrack along b on energy + μ |c|₁; ``trial`` and ``trial_c`` are the accepted point.
 
     The first tries are helped by a second-order correction, b − H⁻¹ Cᵀ S⁻¹ c(trial), which brings
@@ -245,7 +245,7 @@ def minimize(problem, torsion_ratio, rod, force, moment):
             # a multiplier that was large once must not weigh the constraint for ever
             mu = max(0.5 * mu, 1.1 * largest_force)
             t = min(1.0, _STEP / max(largest, 1e-300))
-            taken, value = _line_search(
+            taken, value = line_search(
                 rod, position, k3, step, energy, mu, downhill - mu * norm_c, t,
                 omega, trial, trial_c,
             )  # fmt: skip

@@ -42,6 +42,7 @@ class Method(IntEnum):
     GUESS = 9
     STRAIGHT = 10
     NEARLY_STRAIGHT = 11
+    MIDDLE = 12
 
     @property
     def label(self) -> str:
@@ -65,6 +66,7 @@ _LABELS = {
     Method.GUESS: "shooting from a given guess",
     Method.STRAIGHT: "straight",
     Method.NEARLY_STRAIGHT: "nearly straight rod + multiple shooting",
+    Method.MIDDLE: "shooting from the middle + multiple shooting",
 }
 
 

@@ -1,0 +1,208 @@
+"""The search for all equilibria of one clamping: what it has found, and by which ways.
+
+Rods are kept twice. As loads in the middle they are compared, and left from on tours
+(``kernels.middle``, ``kernels.tours``); those that lie below the bound become solutions
+(``kernels.settling``), each checked on a mesh of its own. Rods too tense for a shot from the middle
+come from structured starts alone and are solutions already.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from loopelastica._arrays import Array
+from loopelastica.rod._middles import draw, middles
+from loopelastica.rod._starts import (
+    Deadline,
+    from_start,
+    problem_of,
+    record_of,
+)
+from loopelastica.rod.clamping import Clamping
+from loopelastica.rod.equilibrium import Equilibrium
+from loopelastica.rod.kernels.middle import MAX_RATE, Catch, enter, find, harvest
+from loopelastica.rod.kernels.multistart import new_rows
+from loopelastica.rod.kernels.records import Method, Start, Status
+from loopelastica.rod.kernels.settling import settle
+from loopelastica.rod.kernels.tours import Tour, visit
+
+_ROOM = 4000
+# Newton steps from a drawn rod; guesses between two looks at the clock
+_PATIENCE, _PART = 40, 50
+# tours between two looks at the clock, steps of one, and its longest step
+_TOURS, _STEPS, _LONGEST = 8, 600, 0.5
+# cosine between two tangents of a curve that follow one another
+_AGREE = 0.9
+# tours go on up to this much above the bound, relative to it
+_MARGIN = 0.3
+# loads nearer than this, relative to their units, may be those of one rod
+_NEAR = 3e-3
+
+AXES = {"d1": (1.0, 0.0, 0.0), "d2": (0.0, 1.0, 0.0), "d3": (0.0, 0.0, 1.0)}
+
+
+@dataclass
+class Tours:
+    """How the curves ended that were followed from rods found, their ends turned.
+
+    Attributes
+    ----------
+    closed : int
+        Came back to where they began: all rods along them are known.
+    left : int
+        Left the energies of interest.
+    lost : int
+        Could not be followed further.
+    unfinished : int
+        Were longer than a tour goes on.
+    """
+
+    closed: int = 0
+    left: int = 0
+    lost: int = 0
+    unfinished: int = 0
+
+
+class Search:
+    """Rods of one clamping found so far.
+
+    Parameters
+    ----------
+    clamping : Clamping
+        With its ends less than the rod's length apart.
+    torsion_ratio, tolerance : float
+        As for `equilibria`.
+    deadline : Deadline
+        When to stop.
+    """
+
+    def __init__(
+        self, clamping: Clamping, torsion_ratio: float, tolerance: float, deadline: Deadline
+    ) -> None:
+        self.clamping, self.torsion_ratio, self.tolerance = clamping, torsion_ratio, tolerance
+        self.deadline = deadline
+        self.starts = 0
+        self.tours = Tours()
+        self.found_by: dict[str, int] = {}
+        self._problem = problem_of(clamping, torsion_ratio, tolerance)
+        self._catch = Catch(
+            np.empty((_ROOM, 6)), np.empty((_ROOM, 6)), np.empty(_ROOM), np.zeros(_ROOM, np.int64),
+            np.zeros(1, np.int64), _symmetry(clamping),
+        )  # fmt: skip
+        self._solved: dict[int, Equilibrium] = {}
+        self._tense: list[Equilibrium] = []
+        self._walked: dict[str, Array] = {}
+        self._random = np.random.default_rng(0)
+
+    def __len__(self) -> int:
+        return int(self._catch.count[0])
+
+    def add(self, rod: Equilibrium, way: str) -> None:
+        """Enter what a start led to."""
+        self.starts += 1
+        if not rod.converged:
+            return
+        loads = _in_the_middle(rod)
+        if loads is None:
+            self._tense.append(rod)
+            return
+        known = len(self)
+        place = enter(loads, rod.energy, self._catch)
+        if place >= 0:
+            self._solved.setdefault(int(place), rod)
+            self._count(way, known)
+
+    def structured(self, starts: tuple[Start, ...]) -> None:
+        """Run structured starts of ``multistart``."""
+        for start in starts:
+            if self.deadline.passed:
+                return
+            rod = from_start(self.clamping, self.torsion_ratio, start, self.tolerance)
+            self.add(rod, "structured starts")
+
+    def drawn(self, first: int, last: int) -> None:
+        """Newton's method from the nearest of the drawn rods, from the ``first`` to the ``last``."""
+        rods = middles(self.torsion_ratio, self.clamping.free_spin)
+        self._harvest(rods.nearest(self.clamping, last)[first:], "nearest drawn rods")
+
+    def random(self, count: int) -> None:
+        """Newton's method from random loads."""
+        loads = draw(self._random, count, self.torsion_ratio, self.clamping.free_spin)
+        self._harvest(loads, "random loads")
+
+    def _harvest(self, guesses: Array, way: str) -> None:
+        for part in range(0, len(guesses), _PART):
+            if self.deadline.passed:
+                return
+            some = guesses[part : part + _PART]
+            known = len(self)
+            harvest(self._problem, some, _PATIENCE, self._catch)
+            self.starts += len(some)
+            self._count(way, known)
+
+    def tour(self, axis: str, energy_max: float, most: int) -> None:
+        """Tours about an axis of the end frame, from all rods that none has come through."""
+        walked = self._walked.setdefault(axis, np.zeros(_ROOM, np.bool_))
+        direction = np.array(AXES[axis])
+        tour = Tour(
+            direction, axis == "d3", energy_max * (1.0 + _MARGIN), _STEPS, _LONGEST, _AGREE
+        )
+        ended, known = np.zeros(4, np.int64), len(self)
+        while most > 0 and not self.deadline.passed:
+            some = min(most, _TOURS)
+            made = visit(self._problem, tour, energy_max, self._catch, walked, some, ended)
+            most -= made
+            if made < some:
+                break
+        unfinished, lost, left, closed = (int(n) for n in ended)
+        self.tours.unfinished += unfinished
+        self.tours.lost += lost
+        self.tours.left += left
+        self.tours.closed += closed
+        self._count(f"tours about {axis}", known)
+
+    def _count(self, way: str, known: int) -> None:
+        self.found_by[way] = self.found_by.get(way, 0) + len(self) - known
+
+    @property
+    def lowest(self) -> float:
+        """Least energy found; inf if nothing was."""
+        energies = [*self._catch.energies[: len(self)], *(rod.energy for rod in self._tense)]
+        return float(min(energies, default=math.inf))
+
+    def solutions(self, energy_max: float) -> list[tuple[Equilibrium, int]]:
+        """Solutions below a bound and how many starts arrived at each; not all are different."""
+        # energies of the coarse mesh are off by a thousandth
+        low = self._catch.energies[: len(self)] <= energy_max * (1.0 + 1e-2) + 0.1
+        places = [int(i) for i in np.flatnonzero(low) if int(i) not in self._solved]
+        rows = new_rows(len(places))
+        settle(self._problem, self._catch.loads[places], rows)
+        for k, place in enumerate(places):
+            method = Method(rows.method[k])
+            if method == Method.NONE:
+                continue
+            self._solved[place] = Equilibrium(
+                self.clamping, self.torsion_ratio, rows.loads[k], float(rows.energy[k]),
+                float(rows.residual[k]), Status.CONVERGED, method, **record_of(rows, k),
+            )  # fmt: skip
+        hits = self._catch.hits
+        return [
+            *((self._solved[i], int(hits[i])) for i in sorted(self._solved) if low[i]),
+            *((rod, 1) for rod in self._tense),
+        ]
+
+
+def _symmetry(clamping: Clamping) -> int:
+    """Which motions of the rod keep its clampings, as `Catch` tells them."""
+    return 2 if clamping.closed else 1 if clamping.on_one_line else 0
+
+
+def _in_the_middle(rod: Equilibrium) -> Array | None:
+    """Loads (6,) in the middle of a rod, or None if they are too large for a shot."""
+    force, moment = rod.loads[:3], rod.moment(np.array([0.5]))[0]
+    frame = rod.frames(np.array([0.5]))[0]
+    if np.linalg.norm(moment) + 2.0 * math.sqrt(np.linalg.norm(force)) > MAX_RATE:
+        return None
+    loads: Array = np.concatenate([frame.T @ force, frame.T @ moment])
+    return loads
