@@ -23,8 +23,9 @@ _LOOPING, _TENSIONS, _SPREAD = 1 / 3, (10.0, 1000.0), 0.3
 # energy of the twist, at most
 _TWISTING = 120.0
 # radians per step and misfit to reach: while searching, refined, and of the check
-_COARSE, _FINE, _CHECK = (1.4, 1e-6), (0.12, 1e-11), (0.06, 1e-9)
-_PATIENCE = 70
+_COARSE, _FINE, _CHECK = (1.4, 1e-6), (0.08, 1e-11), (0.04, 1e-9)
+# a loop that slides along a tense rod takes long to find its place
+_PATIENCE = 400
 # 1 − |η| below which a rod is pulled from one with that much, and the logarithm of each step
 _LOOSE, _PULL = 0.15, 0.05
 # hits are one rod if energies (relative to 1 + E) and poses differ by less

@@ -36,7 +36,7 @@ _A = np.array(
 _B = np.array([11 / 120, 0.0, 27 / 40, 27 / 40, -4 / 15, -4 / 15, 11 / 120])
 # loads that turn the rod faster than this (radians per length) are no rod of interest
 _FASTEST = 200.0
-# after so many iterations a misfit above this will hardly ever vanish
+# after so many iterations a misfit above this will hardly ever vanish, falling with their square
 _LATE, _HOPELESS = 24, 0.25
 
 
@@ -278,7 +278,7 @@ def descend(
     for iteration in range(iterations):
         if not worst > goal or worst == math.inf:
             break
-        if iteration >= _LATE and worst * iteration > _HOPELESS * _LATE:
+        if iteration >= _LATE and worst * iteration**2 > _HOPELESS * _LATE**2:
             break
         square = 0.0
         for i in range(12):
