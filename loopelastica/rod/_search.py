@@ -24,12 +24,15 @@ from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.middle import MAX_RATE, Catch, enter, find, harvest
 from loopelastica.rod.kernels.multistart import new_rows
 from loopelastica.rod.kernels.records import Method, Start, Status
+from loopelastica.rod.kernels.rotations import matrix_from_quaternion
 from loopelastica.rod.kernels.settling import settle
-from loopelastica.rod.kernels.tours import Tour, visit
+from loopelastica.rod.kernels.tours import Tour, pull, visit
 
 _ROOM = 4000
 # Newton steps from a drawn rod; guesses between two looks at the clock
-_PATIENCE, _PART = 40, 50
+_PATIENCE, _PART = 25, 40
+# new rods of a part with which it is worth while to go on
+_FEW = 2
 # tours between two looks at the clock, steps of one, and its longest step
 _TOURS, _STEPS, _LONGEST = 8, 600, 0.5
 # cosine between two tangents of a curve that follow one another
@@ -93,6 +96,7 @@ class Search:
         self._solved: dict[int, Equilibrium] = {}
         self._tense: list[Equilibrium] = []
         self._walked: dict[str, Array] = {}
+        self._drawn = 0
         self._random = np.random.default_rng(0)
 
     def __len__(self) -> int:
@@ -121,10 +125,20 @@ class Search:
             rod = from_start(self.clamping, self.torsion_ratio, start, self.tolerance)
             self.add(rod, "structured starts")
 
-    def drawn(self, first: int, last: int) -> None:
-        """Newton's method from the nearest of the drawn rods, from the ``first`` to the ``last``."""
+    def drawn(self, least: int, most: int) -> None:
+        """Newton's method from the nearest of the drawn rods that no call before has used.
+
+        From ``least`` of them, and on until a part brings hardly anything new, to ``most``.
+        """
         rods = middles(self.torsion_ratio, self.clamping.free_spin)
-        self._harvest(rods.nearest(self.clamping, last)[first:], "nearest drawn rods")
+        first = self._drawn
+        loads = rods.nearest(self.clamping, first + most)[first:]
+        for part in range(0, most, _PART):
+            known = len(self)
+            self._harvest(loads[part : part + _PART], "nearest drawn rods")
+            self._drawn = first + min(part + _PART, most)
+            if self.deadline.passed or (self._drawn >= first + least and len(self) < known + _FEW):
+                break
 
     def random(self, count: int) -> None:
         """Newton's method from random loads."""
@@ -146,7 +160,7 @@ class Search:
         walked = self._walked.setdefault(axis, np.zeros(_ROOM, np.bool_))
         direction = np.array(AXES[axis])
         tour = Tour(
-            direction, axis == "d3", energy_max * (1.0 + _MARGIN), _STEPS, _LONGEST, _AGREE
+            direction, axis == "d3", np.zeros(3), energy_max * (1.0 + _MARGIN), _STEPS, _LONGEST, _AGREE
         )
         ended, known = np.zeros(4, np.int64), len(self)
         while most > 0 and not self.deadline.passed:
@@ -161,6 +175,22 @@ class Search:
         self.tours.left += left
         self.tours.closed += closed
         self._count(f"tours about {axis}", known)
+
+    def pulled(self, drawn: int, slack: float, energy_max: float) -> None:
+        """From the rods of a slacker clamping, found there and pulled outwards."""
+        clamping, size = self.clamping, float(np.linalg.norm(self.clamping.position))
+        short = 1.0 - slack * (1.0 - size)
+        if drawn == 0 or not short > 0.1 or self.deadline.passed:
+            return
+        near = Clamping(short / size * clamping.position, clamping.rotation, clamping.free_spin)
+        near_search = Search(near, self.torsion_ratio, self.tolerance, self.deadline)
+        near_search.drawn(drawn, 2 * drawn)
+        shift = clamping.position - near.position
+        tour = Tour(np.zeros(3), False, shift, energy_max * (1.0 + _MARGIN), _STEPS, _LONGEST, _AGREE)
+        ended, known = np.zeros(4, np.int64), len(self)
+        pull(near_search._problem, tour, energy_max, near_search._catch, self._problem, self._catch, ended)
+        self.starts += drawn
+        self._count("pulled from a slacker clamping", known)
 
     def _count(self, way: str, known: int) -> None:
         self.found_by[way] = self.found_by.get(way, 0) + len(self) - known
@@ -200,8 +230,11 @@ def _symmetry(clamping: Clamping) -> int:
 
 def _in_the_middle(rod: Equilibrium) -> Array | None:
     """Loads (6,) in the middle of a rod, or None if they are too large for a shot."""
-    force, moment = rod.loads[:3], rod.moment(np.array([0.5]))[0]
-    frame = rod.frames(np.array([0.5]))[0]
+    pose = rod.poses(np.array([0.5]))[0]
+    x, y, z = pose[:3]
+    fx, fy, fz = force = rod.loads[:3]
+    moment = rod.loads[3:] + (fy * z - fz * y, fz * x - fx * z, fx * y - fy * x)
+    frame = matrix_from_quaternion(pose[3:])
     if np.linalg.norm(moment) + 2.0 * math.sqrt(np.linalg.norm(force)) > MAX_RATE:
         return None
     loads: Array = np.concatenate([frame.T @ force, frame.T @ moment])

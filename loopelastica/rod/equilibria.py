@@ -50,15 +50,26 @@ _MOST_TURNS = 12
 
 @dataclass(frozen=True, slots=True)
 class _Round:
-    """What a round adds: nearest drawn rods, random loads, tours from as many rods at most."""
+    """What a round adds: nearest drawn rods, those of a slacker clamping, random loads, tours."""
 
+    least: int
     drawn: int
+    """How many drawn rods, at least and at most."""
+    pulled: int
+    slack: float
+    """How many times as far from straight the slacker clamping is."""
     random: int
     tours: int
+    """From how many rods at most."""
 
 
 # each is made after the ones before it
-_ROUNDS = (_Round(40, 0, 0), _Round(110, 0, 100), _Round(450, 400, 400), _Round(1400, 2000, 2000))
+_ROUNDS = (
+    _Round(40, 40, 0, 2.0, 0, 0),
+    _Round(40, 280, 40, 1.8, 0, 100),
+    _Round(400, 600, 300, 2.5, 300, 400),
+    _Round(1000, 2000, 600, 1.5, 1500, 2000),
+)
 _AXES = ("d3", "d1", "d2")
 _DEFAULT_ROUNDS = 2
 
@@ -216,10 +227,10 @@ def equilibria(
         search.structured(_both((turns + 0.0, turns + 1.0, turns - 1.0)))
     span = ENERGY_SPAN if energy_max is None else energy_max
     search.structured(_structured(clamping, torsion_ratio, span))
-    done = drawn = 0
+    done = 0
     for plan in _ROUNDS[: rounds or _DEFAULT_ROUNDS]:
-        search.drawn(drawn, drawn + plan.drawn)
-        drawn += plan.drawn
+        search.drawn(plan.least, plan.drawn)
+        search.pulled(plan.pulled, plan.slack, _bound(energy_max, search.lowest))
         search.random(plan.random)
         for axis in _AXES if plan.tours else ():
             search.tour(axis, _bound(energy_max, search.lowest), plan.tours)

@@ -43,6 +43,8 @@ DENSITY = 0.6
 MAX_RATE = 45.0
 # end error of an arrival on the coarse mesh, and how far loads of one rod may then be apart
 _ARRIVED, _SAME = 1e-6, 1e-4
+# squared error, and distance of loads, at which a step is on its way to a rod that is known
+_CLOSE, _SURE = 1e-5, 2e-3
 _MOST = 60
 
 
@@ -142,71 +144,6 @@ def largest(e):
     return worst if worst == worst else math.inf
 
 
-@kernel
-def drive(problem, g, most, shot):
-    """Drive the loads ``g`` in the middle to the problem's clamping, in place.
-
-    Levenberg's and Marquardt's steps: ``most`` of them, and more as long as each halves the error.
-    Returns the largest end error on this coarse mesh, and the energy.
-    """
-    e, jacobian, scale = np.empty(6), np.empty((6, 6)), np.empty(6)
-    trial, trial_e, trial_jacobian = np.empty(6), np.empty(6), np.empty((6, 6))
-    a, d = np.empty((6, 6)), np.empty(6)
-    ratio = problem.torsion_ratio
-    if problem.free_spin:
-        g[5] = 0.0
-    if not moment_bound(g) < MAX_RATE:
-        return math.inf, math.inf
-    work = shoot_middle(g, ratio, DENSITY, WITH_JACOBIAN, shot)
-    end_error(problem, shot.y, g[5], e, jacobian, True)
-    nu, growth = 1e-3, 2.0
-    cost, before = 0.0, math.inf
-    for c in range(6):
-        cost += e[c] * e[c]
-    iteration = 0
-    while (iteration < most or cost < 0.25 * before) and iteration < _MOST:
-        if cost < 1e-14:
-            break
-        iteration += 1
-        before = cost
-        load_scales(g, scale)
-        gain, new_cost, new_work = -1.0, math.inf, 0.0
-        if marquardt_step(jacobian, e, scale, nu, a, d):
-            predicted = 0.0
-            for c in range(6):
-                trial[c] = g[c] + d[c]
-                row = e[c]
-                for j in range(6):
-                    row += jacobian[c, j] * d[j]
-                predicted += e[c] * e[c] - row * row
-            if problem.free_spin:
-                trial[5] = 0.0
-            if moment_bound(trial) < MAX_RATE:
-                new_work = shoot_middle(trial, ratio, DENSITY, WITH_JACOBIAN, shot)
-                end_error(problem, shot.y, trial[5], trial_e, trial_jacobian, True)
-                new_cost = 0.0
-                for c in range(6):
-                    new_cost += trial_e[c] * trial_e[c]
-                gain = (cost - new_cost) / max(predicted, 1e-300)
-        if gain > 1e-4:
-            slowed = cost - new_cost < 1e-3 * cost and new_cost > 1e-4
-            for c in range(6):
-                g[c], e[c] = trial[c], trial_e[c]
-                for j in range(6):
-                    jacobian[c, j] = trial_jacobian[c, j]
-            cost, work = new_cost, new_work
-            nu *= max(0.1, 1.0 - (2.0 * gain - 1.0) ** 3)
-            growth = 2.0
-            if slowed and nu > 1e-2:
-                break
-            continue
-        nu *= growth
-        growth *= 2.0
-        if nu > 1e6:
-            break
-    return math.sqrt(cost), energy_of(g, ratio, work)
-
-
 class Catch(NamedTuple):
     """Rods found, by their loads in the middle."""
 
@@ -287,9 +224,82 @@ def enter(g, energy, catch):
 
 
 @kernel
+def drive(problem, g, most, catch, shot):
+    """Drive the loads ``g`` in the middle to the problem's clamping, in place.
+
+    Levenberg's and Marquardt's steps: ``most`` of them, and more as long as each halves the error.
+    They end where they come near to a rod of the ``catch``. Returns the end error on this coarse
+    mesh, the energy, and the place of the rod that was come to, or −1.
+    """
+    e, jacobian, scale = np.empty(6), np.empty((6, 6)), np.empty(6)
+    trial, trial_e, trial_jacobian = np.empty(6), np.empty(6), np.empty((6, 6))
+    a, d = np.empty((6, 6)), np.empty(6)
+    ratio = problem.torsion_ratio
+    if problem.free_spin:
+        g[5] = 0.0
+    if not moment_bound(g) < MAX_RATE:
+        return math.inf, math.inf, -1
+    work = shoot_middle(g, ratio, DENSITY, WITH_JACOBIAN, shot)
+    end_error(problem, shot.y, g[5], e, jacobian, True)
+    nu, growth = 1e-3, 2.0
+    cost, before = 0.0, math.inf
+    for c in range(6):
+        cost += e[c] * e[c]
+    iteration = 0
+    while (iteration < most or cost < 0.25 * before) and iteration < _MOST:
+        if cost < 1e-14:
+            break
+        if cost < _CLOSE:
+            known = find(g, catch, _SURE)
+            if known >= 0:
+                return math.sqrt(cost), math.inf, known
+        iteration += 1
+        before = cost
+        load_scales(g, scale)
+        gain, new_cost, new_work = -1.0, math.inf, 0.0
+        if marquardt_step(jacobian, e, scale, nu, a, d):
+            predicted = 0.0
+            for c in range(6):
+                trial[c] = g[c] + d[c]
+                row = e[c]
+                for j in range(6):
+                    row += jacobian[c, j] * d[j]
+                predicted += e[c] * e[c] - row * row
+            if problem.free_spin:
+                trial[5] = 0.0
+            if moment_bound(trial) < MAX_RATE:
+                new_work = shoot_middle(trial, ratio, DENSITY, WITH_JACOBIAN, shot)
+                end_error(problem, shot.y, trial[5], trial_e, trial_jacobian, True)
+                new_cost = 0.0
+                for c in range(6):
+                    new_cost += trial_e[c] * trial_e[c]
+                gain = (cost - new_cost) / max(predicted, 1e-300)
+        if gain > 1e-4:
+            slowed = cost - new_cost < 1e-3 * cost and new_cost > 1e-4
+            for c in range(6):
+                g[c], e[c] = trial[c], trial_e[c]
+                for j in range(6):
+                    jacobian[c, j] = trial_jacobian[c, j]
+            cost, work = new_cost, new_work
+            nu *= max(0.1, 1.0 - (2.0 * gain - 1.0) ** 3)
+            growth = 2.0
+            if slowed and nu > 1e-2:
+                break
+            continue
+        nu *= growth
+        growth *= 2.0
+        if nu > 1e6:
+            break
+    return math.sqrt(cost), energy_of(g, ratio, work), -1
+
+
+@kernel
 def arrive(problem, g, most, catch, shot):
     """Newton's method from the loads ``g``, in place, to a place in the catch, or −1."""
-    error, energy = drive(problem, g, most, shot)
+    error, energy, known = drive(problem, g, most, catch, shot)
+    if known >= 0:
+        catch.hits[known] += 1
+        return known
     return enter(g, energy, catch) if error < _ARRIVED else -1
 
 

@@ -9,9 +9,9 @@ need not be. Curves are followed by pseudo-arclength in the loads and t, through
 ``arclength``, which confirms every point; here only where a curve leads matters, so that one coarse
 shot from the middle will do, ``middle``). What they meet is entered as a start for Newton's method.
 
-K30 never changes the center line of given loads. A turn about the tangent (ω = d3) is therefore
-followed at K30 = 1, and what has to come back is t + M3 (1/K30 − 1); with a free end spin it is
-M3 = 0.
+K30 never changes the center line of given loads at the start. A turn about the tangent (ω = d3) is
+therefore followed at K30 = 1, and what has to come back is t + M3 (1/K30 − 1); with a free end spin
+it is M3 = 0. The middle's frame then lacks half of the extra spin, ½ M3 (1/K30 − 1).
 """
 
 import math
@@ -56,6 +56,8 @@ class Tour(NamedTuple):
     axis: Array
     """ω (3,), of length 1."""
     about_tangent: bool
+    shift: Array
+    """What the position moves by per unit of t, (3,); then the end is not turned, and t goes to 1."""
     energy_max: float
     """Where a curve is left."""
     most: int
@@ -65,24 +67,32 @@ class Tour(NamedTuple):
 
 
 @kernel
-def _clamp_at(problem, axis, t, q):
-    r = problem.quaternion
+def _clamp_at(problem, tour, t, path):
+    """The clamp at ``t`` into the position and the quaternion of ``path``."""
+    axis, r, q = tour.axis, problem.quaternion, path.quaternion
     w, x, y, z = exponential(t * axis[0], t * axis[1], t * axis[2])
     q[0], q[1], q[2], q[3] = product(r[0], r[1], r[2], r[3], w, x, y, z)
+    for c in range(3):
+        path.position[c] = problem.position[c] + t * tour.shift[c]
+
+
+@kernel
+def _shifted(tour):
+    """Whether the end is shifted, not turned."""
+    return tour.shift[0] != 0.0 or tour.shift[1] != 0.0 or tour.shift[2] != 0.0
 
 
 @kernel
 def _evaluate(problem, path, tour, u, shot, e, jacobian, by_t):
     """Error and derivatives at ``u`` (7,); returns the work."""
     work = shoot_middle(u, path.torsion_ratio, DENSITY, WITH_JACOBIAN, shot)
-    q = path.quaternion
-    _clamp_at(problem, tour.axis, u[6] + _H, q)
+    _clamp_at(problem, tour, u[6] + _H, path)
     end_error(path, shot.y, u[5], by_t, jacobian, False)
-    _clamp_at(problem, tour.axis, u[6] - _H, q)
+    _clamp_at(problem, tour, u[6] - _H, path)
     end_error(path, shot.y, u[5], e, jacobian, False)
     for c in range(6):
         by_t[c] = (by_t[c] - e[c]) / (2.0 * _H)
-    _clamp_at(problem, tour.axis, u[6], q)
+    _clamp_at(problem, tour, u[6], path)
     end_error(path, shot.y, u[5], e, jacobian, True)
     return work
 
@@ -94,7 +104,7 @@ def _event(problem, tour, u):
         if problem.free_spin:
             return u[5]
         return (u[6] + u[5] * (1.0 / problem.torsion_ratio - 1.0)) / (2.0 * math.pi)
-    return u[6] / (2.0 * math.pi)
+    return u[6] if _shifted(tour) else u[6] / (2.0 * math.pi)
 
 
 @kernel
@@ -105,6 +115,15 @@ def _own_spin(problem, g, shot):
     w = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]
     z = p[0] * q[3] - p[3] * q[0] - p[1] * q[2] + p[2] * q[1]
     return 2.0 * math.atan2(z, w)
+
+
+@kernel
+def _turned(g, angle):
+    """Turn loads in the middle about d3, in place."""
+    c, s = math.cos(angle), math.sin(angle)
+    for o in (0, 3):
+        x, y = g[o], g[o + 1]
+        g[o], g[o + 1] = c * x - s * y, s * x + c * y
 
 
 @kernel
@@ -135,16 +154,18 @@ def follow(problem, tour, start, sign, met, counts):
     ratio = 1.0 if tour.about_tangent else problem.torsion_ratio
     free = problem.free_spin and not tour.about_tangent
     path = Problem(
-        problem.position, np.empty(4), problem.shortening, ratio, free, problem.tolerance
+        np.empty(3), np.empty(4), problem.shortening, ratio, free, problem.tolerance
     )
     for c in range(6):
         u[c] = start[c]
-    u[6] = 0.0
+    u[6], excess = 0.0, 0.0
     if tour.about_tangent:
         if problem.free_spin:
             u[6] = _own_spin(problem, start, shot)
         else:
-            u[6] = -start[5] * (1.0 / problem.torsion_ratio - 1.0)
+            excess = 1.0 / problem.torsion_ratio - 1.0
+            u[6] = -excess * start[5]
+            _turned(u, 0.5 * excess * u[5])
     for c in range(7):
         first[c] = u[c]
     load_scales(u, scale)
@@ -214,6 +235,7 @@ def follow(problem, tour, start, sign, met, counts):
                 for c in range(6):
                     met[found, c] = u[c] + share * (trial[c] - u[c])
                     apart = max(apart, abs(met[found, c] - first[c]) / scale[c])
+                _turned(met[found], -0.5 * excess * met[found, 5])
                 found += 1
                 closed = closed or apart < _BACK
             leaving = False
@@ -236,7 +258,7 @@ def follow(problem, tour, start, sign, met, counts):
             ds = min(1.6 * ds, tour.longest)
         elif iterations > _MANY:
             ds *= 0.6
-        if closed:
+        if closed or (_shifted(tour) and not 0.0 <= u[6] < 1.0):
             counts[2] = CLOSED
             break
         if energy_of(u, ratio, work) > tour.energy_max:
@@ -288,3 +310,22 @@ def visit(problem, tour, energy_max, catch, walked, most, ended):
             if counts[2] == CLOSED:
                 break
     return left
+
+
+@kernel
+def pull(problem, tour, energy_max, catch, goal, caught, ended):
+    """From the rods of a ``catch`` to those of a clamping that is shifted against theirs.
+
+    ``goal`` is the problem there, ``caught`` its catch; ``ended`` (4,) counts as for `visit`.
+    """
+    shot, met, counts, g = new_shot(), np.empty((8, 6)), np.zeros(3, np.int64), np.empty(6)
+    for i in range(catch.count[0]):
+        if catch.energies[i] > energy_max:
+            continue
+        n = follow(problem, tour, catch.loads[i], 1.0, met, counts)
+        ended[counts[2]] += 1
+        for k in range(n):
+            for c in range(6):
+                g[c] = met[k, c]
+            if find(g, caught, _MET) < 0:
+                arrive(goal, g, _PATIENCE, caught, shot)
