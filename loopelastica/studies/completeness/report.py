@@ -104,7 +104,9 @@ def draw(rows: Sequence[Row], bins: Sequence[Row], indices: Sequence[str], path:
         # draws of poses may all lie on one side of the share itself
         spread = np.maximum([down, up], 0.0)
         left.errorbar(x, y, spread, fmt="o", ms=4, color=color, capsize=2, label=f"{effort}, rods")
-        left.plot(x, [row["hits_missed"] for row in chosen], "x", color=color, label="hits")
+        left.plot(
+            x, [row["hits_missed"] for row in chosen], "x", color=color, label=f"{effort}, hits"
+        )
     left.set_xlim(0.0, top)
     left.set_ylim(0.0, top)
     left.set_xlabel("unseen, as the list says")
@@ -118,8 +120,8 @@ def draw(rows: Sequence[Row], bins: Sequence[Row], indices: Sequence[str], path:
         known = [i for i, share in enumerate(shares) if share is not None]
         at = [i + width * (place - 0.5 * (len(efforts) - 1)) for i in known]
         right.bar(at, [shares[i] for i in known], width, color=color, label=effort)
-    right.set_xticks(range(len(names)), names)
+    right.set_xticks(range(len(names)), names, fontsize=8)
     right.set_ylim(0.0, 105.0)
     right.set_ylabel("listed / %")
-    right.legend(fontsize=7, loc="lower right")
+    right.legend(fontsize=7, loc="lower left", framealpha=1.0)
     save_figure(figure, path)

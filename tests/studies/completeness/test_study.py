@@ -50,10 +50,12 @@ def test_a_second_run_takes_the_hits_of_the_first_and_makes_lists_anew(tmp_path,
     again = study.run(tmp_path, progress=False)
     for before, after in zip(rows, again, strict=True):
         assert {**before, "seconds": 0} == {**after, "seconds": 0}
-    monkeypatch.undo()
-    monkeypatch.setattr(study, "_POSES", (1, 1))
+    # other starts are another search
+    searched = []
+    monkeypatch.setattr(study, "search", lambda *arguments: searched.append(arguments[2]) or [])
     monkeypatch.setattr(study, "_STARTS", 50)
-    assert study.run(tmp_path, progress=False)[0]["hits"] != rows[0]["hits"]
+    assert [row["hits"] for row in study.run(tmp_path, progress=False)] == [0] * len(rows)
+    assert searched == [50, 50]
 
 
 def test_poses_are_those_of_seed_and_number_and_of_every_kind():
