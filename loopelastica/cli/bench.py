@@ -125,3 +125,18 @@ def bench_scaling(
 
     with o.study(out):
         run(out, full=full, seed=seed, progress=True)
+
+
+@bench.command("completeness", cls=Command)
+def bench_completeness(
+    out: _Out = _RESULTS / "completeness",
+    full: Annotated[
+        bool, typer.Option("--full", help="200 poses instead of 24; half an hour.")
+    ] = False,
+    seed: _Seed = 2026,
+) -> None:
+    """Judge lists of equilibria, and what they say of their gaps, by an independent search."""
+    from loopelastica.studies.completeness.study import run
+
+    with o.study(out):
+        run(out, full=full, seed=seed, progress=True)
