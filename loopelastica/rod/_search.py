@@ -7,7 +7,7 @@ come from structured starts alone and are solutions already.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from loopelastica.rod._starts import (
 )
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium
-from loopelastica.rod.kernels.middle import MAX_RATE, Catch, enter, find, harvest
+from loopelastica.rod.kernels.middle import MAX_RATE, Catch, enter, harvest
 from loopelastica.rod.kernels.multistart import new_rows
 from loopelastica.rod.kernels.records import Method, Start, Status
 from loopelastica.rod.kernels.rotations import matrix_from_quaternion
@@ -171,7 +171,13 @@ class Search:
         walked = self._walked.setdefault(axis, np.zeros(_ROOM, np.bool_))
         direction = np.array(AXES[axis])
         tour = Tour(
-            direction, axis == "d3", np.zeros(3), energy_max * (1.0 + _MARGIN), _STEPS, _LONGEST, _AGREE
+            direction,
+            axis == "d3",
+            np.zeros(3),
+            energy_max * (1.0 + _MARGIN),
+            _STEPS,
+            _LONGEST,
+            _AGREE,
         )
         ended, known = np.zeros(4, np.int64), len(self)
         while most > 0 and not self.deadline.passed:
@@ -221,9 +227,19 @@ class Search:
         near_search.patience = self.patience
         near_search.drawn(drawn, 2 * drawn)
         shift = clamping.position - near.position
-        tour = Tour(np.zeros(3), False, shift, energy_max * (1.0 + _MARGIN), _STEPS, _LONGEST, _AGREE)
+        tour = Tour(
+            np.zeros(3), False, shift, energy_max * (1.0 + _MARGIN), _STEPS, _LONGEST, _AGREE
+        )
         ended, known = np.zeros(4, np.int64), len(self)
-        pull(near_search._problem, tour, energy_max, near_search._catch, self._problem, self._catch, ended)
+        pull(
+            near_search._problem,
+            tour,
+            energy_max,
+            near_search._catch,
+            self._problem,
+            self._catch,
+            ended,
+        )
         self.starts += drawn
         self._count("pulled from a slacker clamping", known)
 

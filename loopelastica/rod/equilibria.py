@@ -24,6 +24,7 @@ import numpy as np
 from loopelastica._arrays import Array
 from loopelastica._checks import instance, optional, positive, whole
 from loopelastica.rod._arguments import check_torsion_ratio
+from loopelastica.rod._same import SAME, mark
 from loopelastica.rod._search import Search, Tours
 from loopelastica.rod._starts import (
     TOLERANCE,
@@ -37,8 +38,6 @@ from loopelastica.rod.kernels.records import Start
 from loopelastica.rod.solve import solve
 from loopelastica.rod.stability import assess
 
-# largest difference of position (L) or frame components between two copies of one equilibrium
-SAME = 1e-5
 # bending the rod twice around costs ½(4π)²
 ENERGY_SPAN = 8.0 * math.pi**2
 
@@ -77,7 +76,9 @@ _DEFAULT_ROUNDS = 2
 
 
 def _sided(turns: tuple[float, ...], minimized: bool = True) -> tuple[Start, ...]:
-    return tuple(Start(n, over_0=a, over_1=b, minimized=minimized) for n in turns for a, b in _SIDES)
+    return tuple(
+        Start(n, over_0=a, over_1=b, minimized=minimized) for n in turns for a, b in _SIDES
+    )
 
 
 def _both(turns: tuple[float, ...]) -> tuple[Start, ...]:
@@ -153,7 +154,7 @@ class _Found:
 
     @functools.cached_property
     def mark(self) -> Array:
-        return _mark(self.rod)
+        return mark(self.rod)
 
 
 def equilibria(
@@ -263,7 +264,9 @@ def equilibria(
 
 
 def _bound(energy_max: float | None, lowest: float) -> float:
-    return (lowest if math.isfinite(lowest) else 0.0) + ENERGY_SPAN if energy_max is None else energy_max
+    if energy_max is not None:
+        return energy_max
+    return ENERGY_SPAN + (lowest if math.isfinite(lowest) else 0.0)
 
 
 def _nearly_in_line(clamping: Clamping) -> bool:
@@ -305,28 +308,3 @@ def _same(found: list[_Found], new: _Found) -> _Found | None:
         if np.abs(found[i].mark - new.mark).max() < SAME:
             return found[i]
     return None
-
-
-def _mark(rod: Equilibrium) -> Array:
-    """Numbers that are equal, within `SAME`, for two copies of one equilibrium only."""
-    poses = rod.poses(9)
-    from scipy.spatial.transform import Rotation
-
-    frames = Rotation.from_quat(poses[:, 3:], scalar_first=True).as_matrix()
-    if not rod.clamping.on_one_line:
-        return np.concatenate([poses[:, :3].ravel(), frames.ravel()])
-    force, moment = rod.loads[:3], rod.loads[3:]
-    if rod.clamping.closed:
-        # what a shift along the rod leaves alone besides
-        size = np.linalg.norm(force)
-        constants = [size, float(force @ moment) / (1.0 + size), float(moment @ moment) / 2 + force[2]]
-        return np.array([rod.twist, *np.divide(constants, 1.0 + size)])
-    # what a turn about the common line leaves alone; the moments tell mirror images apart
-    return np.concatenate(
-        [
-            np.hypot(poses[:, 0], poses[:, 1]),
-            poses[:, 2],
-            frames[:, 2, 2],
-            [rod.twist, float(force @ moment) / (1.0 + float(force @ force))],
-        ]
-    )

@@ -76,7 +76,7 @@ def unfold(problem, g, nodes, loads, shot):
 
 @kernel
 def settle(problem, middles, rows):
-    """Solutions from loads in the middle ``middles`` (n, 6), into ``rows`` (``multistart.Rows``)."""
+    """Solutions from loads in the middle ``middles`` (n, 6), into ``multistart.Rows``."""
     shot = new_shot()
     for i in range(middles.shape[0]):
         g = middles[i]
@@ -92,4 +92,3 @@ def settle(problem, middles, rows):
                 rows.residual[i], rows.energy[i] = residual, energy
                 break
             m *= 2
-

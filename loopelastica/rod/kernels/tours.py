@@ -57,7 +57,7 @@ class Tour(NamedTuple):
     """ω (3,), of length 1."""
     about_tangent: bool
     shift: Array
-    """What the position moves by per unit of t, (3,); then the end is not turned, and t goes to 1."""
+    """What the position moves by per t, (3,); then the end is not turned, and t goes to 1."""
     energy_max: float
     """Where a curve is left."""
     most: int
@@ -153,9 +153,7 @@ def follow(problem, tour, start, sign, met, counts):
     a, x = np.empty((7, 9)), np.empty((2, 7))
     ratio = 1.0 if tour.about_tangent else problem.torsion_ratio
     free = problem.free_spin and not tour.about_tangent
-    path = Problem(
-        np.empty(3), np.empty(4), problem.shortening, ratio, free, problem.tolerance
-    )
+    path = Problem(np.empty(3), np.empty(4), problem.shortening, ratio, free, problem.tolerance)
     for c in range(6):
         u[c] = start[c]
     u[6], excess = 0.0, 0.0
