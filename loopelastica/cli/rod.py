@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import asdict
 from typing import Annotated
 
 import typer
@@ -25,6 +26,10 @@ def solve(
     energy_max: Annotated[
         float | None, typer.Option(help="List equilibria up to this energy, in K0/L.")
     ] = None,
+    rounds: Annotated[
+        int | None,
+        typer.Option(min=1, max=4, help="How deep to search; default 2.", show_default=False),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Solve a dimensionless rod: its equilibria for a clamping (η1 η2 η3 ψ θ φ), angles in rad."""
@@ -40,7 +45,7 @@ def solve(
         energy_max = optional(positive)("energy_max", energy_max)
     try:
         values = _parameters(clamping)
-        rods = equilibria(Clamping.from_parameters(values, free_spin), ratio, energy_max)
+        rods = equilibria(Clamping.from_parameters(values, free_spin), ratio, energy_max, rounds)
     except ValueError as error:
         sentence = str(error).removeprefix("`clamping` ")
         raise typer.BadParameter(f"--clamping {clamping!r}: {sentence}") from None
@@ -48,6 +53,12 @@ def solve(
         found = {
             "energy_max": rods.energy_max,
             "unseen": rods.unseen,
+            "by_index": rods.by_index,
+            "rounds": rods.rounds,
+            "starts": rods.starts,
+            "found_by": rods.found_by,
+            "tours": asdict(rods.tours),
+            "evidence": rods.evidence,
             "equilibria": [rod.to_dict() for rod in rods],
         }
         typer.echo(json.dumps(found, indent=1, allow_nan=False))
@@ -55,6 +66,7 @@ def solve(
         from loopelastica.report.tables import console, equilibria_table
 
         console().print(equilibria_table(rods))
+        typer.echo(rods.evidence)
     if not rods:
         o.fail([f"--clamping {clamping!r}: no equilibrium found in {rods.starts} starts"])
 

@@ -230,13 +230,14 @@ def library_table(library: "Library") -> Table:
 
 def equilibria_table(rods: "Equilibria") -> Table:
     """Equilibria of a dimensionless rod."""
-    table = Table(title=f"unseen: {rods.unseen:.2f} of further starts", title_justify="left")
-    for name in ("energy", "F (start frame)", "M (start frame)", "twist", "residual"):
+    table = Table()
+    for name in ("energy", "index", "F (start frame)", "M (start frame)", "twist", "residual"):
         table.add_column(name, justify="right", no_wrap=True)
     for rod in rods:
         _add_row(
             table,
             f"{rod.energy:.6g}",
+            str(rod.index),
             " ".join(f"{v:9.4g}" for v in rod.loads[:3]),
             " ".join(f"{v:9.4g}" for v in rod.loads[3:]),
             f"{rod.twist:.4f}",

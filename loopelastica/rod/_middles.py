@@ -94,7 +94,9 @@ def middles(torsion_ratio: float, free_spin: bool) -> Middles:
         ends_from_middle(loads, torsion_ratio, _DENSITY, positions, quaternions, energies)
         low = energies < _ENERGY
         kept.append((loads[low], positions[low], quaternions[low]))
-    loads, positions, quaternions = (np.concatenate(part)[:_COUNT] for part in zip(*kept))
+    loads, positions, quaternions = (
+        np.concatenate(part)[:_COUNT] for part in zip(*kept, strict=True)
+    )
     rotations = Rotation.from_quat(quaternions, scalar_first=True).as_matrix()
     points, angles = pose_points(positions, rotations, free_spin)
     return Middles(loads, angles, KDTree(points, leafsize=20), free_spin)
