@@ -135,8 +135,8 @@ def _march_pose(f, y, length, n):
 
 
 @kernel
-def slope(f, y, k, o):
-    """Slopes of the rod and its variations, into ``k[o:]``."""
+def slope(f, y, k, o, size):
+    """Slopes of the rod and, if ``size`` is 43, of its variations, into ``k[o:]``."""
     fx, fy, fz = f[0], f[1], f[2]
     rx, ry, rz = y[0], y[1], y[2]
     mx = f[3] + fy * rz - fz * ry
@@ -146,6 +146,8 @@ def slope(f, y, k, o):
     tx, ty, tz = pose[0], pose[1], pose[2]
     for c in range(POSE):
         k[o + c] = pose[c]
+    if size == POSE:
+        return
     for j in range(6):
         ax, ay, az = y[7 + j], y[13 + j], y[19 + j]
         dx, dy, dz = y[25 + j], y[31 + j], y[37 + j]
@@ -179,10 +181,10 @@ def march(f, y, length, n, size, k, z):
         return
     h = length / n
     for _ in range(n):
-        slope(f, y, k, 0)
+        slope(f, y, k, 0, size)
         for i in range(1, _STAGES):
             stage(y, z, k, i, h)
-            slope(f, z, k, i * WITH_JACOBIAN)
+            slope(f, z, k, i * WITH_JACOBIAN, size)
         stage(y, y, k, _STAGES, h)
         norm = 1.0 / math.sqrt(y[3] * y[3] + y[4] * y[4] + y[5] * y[5] + y[6] * y[6])
         for c in range(3, POSE):
