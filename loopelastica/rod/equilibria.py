@@ -71,17 +71,17 @@ _ROUNDS = (
     _Round(40, 40, 0, 2.0, 0, 0, 25),
     _Round(40, 280, 40, 1.8, 0, 100, 25),
     _Round(400, 600, 300, 2.5, 300, 400, 40),
-    _Round(1500, 3000, 600, 1.5, 3000, 2000, 40),
+    _Round(1200, 2400, 600, 1.5, 2200, 2000, 40),
 )
 _AXES = ("d3", "d1", "d2")
 _DEFAULT_ROUNDS = 2
 # for each equilibrium listed, of index 0, 1, 2 and more, how many are not, after each round: fitted
-# to what an independent search hit at 135 poses (`loopelastica bench completeness`)
+# to what an independent search hit at 92 poses (`loopelastica bench completeness`)
 _MISSED = (
-    (0.05, 0.10, 0.20, 0.50),
-    (0.004, 0.01, 0.02, 0.12),
-    (0.001, 0.002, 0.005, 0.03),
-    (0.0005, 0.0005, 0.001, 0.003),
+    (0.02, 0.06, 1.8, 1.9),
+    (0.007, 0.004, 0.01, 0.09),
+    (0.0013, 0.0018, 0.002, 0.012),
+    (0.0002, 0.0003, 0.0005, 0.0023),
 )
 
 
