@@ -12,8 +12,8 @@ from loopelastica.rod.kernels.discrete_starts import graded_nodes
 from loopelastica.rod.kernels.records import SEGMENTS
 from loopelastica.rod.kernels.shooting import moment_bound
 
-# √F beyond which boundary layers need no closer hinges, and most segments
-_STEEPEST, _MOST = 200, 1024
+# most segments
+_MOST = 1024
 
 
 def segments(rod: Equilibrium, hinge: float) -> int:
@@ -36,7 +36,7 @@ def discrete_copy(rod: Equilibrium, n: int, s: Array | None = None) -> DiscreteR
     """
     if s is None:
         root = math.ceil(math.sqrt(float(np.linalg.norm(rod.loads[:3]))))
-        s = _hinges(min(root, _STEEPEST), n)
+        s = _hinges(root, n)
     frames: Array = np.empty((n + 2, 4))
     frames[0] = (1.0, 0.0, 0.0, 0.0)
     frames[1:] = rod.poses(np.append(0.5 * (s[1:] + s[:-1]), 1.0))[:, 3:]

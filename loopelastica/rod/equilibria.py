@@ -9,8 +9,8 @@ What ``solve`` finds is always among them. Then, round by round, more ways are t
   whatever has the same clamping again is another equilibrium (or the same);
 * Newton's method from random loads.
 
-What they lead to is compared at nine points along the rod: two results are one equilibrium if
-positions and frames agree within `SAME`. Where both ends lie on one line the rod can be turned
+What they lead to is compared at points along the rod (``_same``): two results are one equilibrium
+if energies, positions and frames agree. Where both ends lie on one line the rod can be turned
 about it at no cost, and two results are one if they agree after such a turn; a closed rod can be
 shifted along itself as well.
 """
@@ -18,14 +18,13 @@ shifted along itself as well.
 import functools
 import math
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from loopelastica._arrays import Array
 from loopelastica._checks import instance, optional, positive, whole
 from loopelastica.rod._arguments import check_torsion_ratio
-from loopelastica.rod._same import SAME, mark
+from loopelastica.rod._same import Marked
 from loopelastica.rod._search import Search, Tours
 from loopelastica.rod._starts import (
     TOLERANCE,
@@ -212,13 +211,8 @@ class Equilibria(list[Equilibrium]):
 
 
 @dataclass
-class _Found:
-    rod: Equilibrium
+class _Found(Marked):
     hits: int = 1
-
-    @functools.cached_property
-    def mark(self) -> Array:
-        return mark(self.rod)
 
 
 def equilibria(
@@ -347,27 +341,10 @@ def _merge(found: list[_Found], rod: Equilibrium, hits: int = 1) -> None:
     if not rod.converged:
         return
     new = _Found(rod, hits)
-    same = _same(found, new)
-    if same is None:
+    known = next((i for i, old in enumerate(found) if old.same(new)), None)
+    if known is None:
         found.append(new)
         return
-    same.hits += hits
-    if rod.residual < same.rod.residual:
-        same.rod = rod
-
-
-def _same(found: list[_Found], new: _Found) -> _Found | None:
-    """The one of ``found`` that is the same equilibrium as ``new``, or None."""
-    if not found:
-        return None
-    loads = np.array([other.rod.loads for other in found])
-    apart = np.abs(loads - new.rod.loads).max(axis=1) / (1.0 + np.abs(loads).max(axis=1))
-    nearest = int(apart.argmin())
-    # equal loads are the same rod; unequal ones may be, on one line or near a fold
-    if apart[nearest] < 1e-9:
-        return found[nearest]
-    further = np.inf if new.rod.clamping.on_one_line else 1e-2
-    for i in np.flatnonzero(apart <= further):
-        if np.abs(found[i].mark - new.mark).max() < SAME:
-            return found[i]
-    return None
+    if rod.residual >= found[known].rod.residual:
+        new = found[known]
+    found[known] = replace(new, hits=found[known].hits + hits)

@@ -26,12 +26,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from loopelastica._arrays import Array
 from loopelastica.rod._starts import quaternion
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.stability import morse_index
 
 # frames per radian of the fastest turning, to follow a quaternion's sign
 _PER_RADIAN = 2.0
+# √F s at which a boundary layer is straight
+_LAYER = 20.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,8 +204,7 @@ def homotopy_class(rod: Equilibrium) -> int:
     """
     if rod.clamping.free_spin:
         return 0
-    fastest = float(np.linalg.norm(rod.moment(65), axis=1).max())
-    frames = rod.poses_without_spin(9 + int(_PER_RADIAN * fastest))[:, 3:]
+    frames = rod.poses_without_spin(_followed(rod))[:, 3:]
     signs = np.sign(np.sum(frames[1:] * frames[:-1], axis=1))
     w, x, y, z = frames[-1] * np.prod(signs) * np.sign(frames[0, 0])
     # the spin of K30 ≠ 1, whole turns and all
@@ -210,3 +212,18 @@ def homotopy_class(rod: Equilibrium) -> int:
     c, s = math.cos(half), math.sin(half)
     lifted = np.array([w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s])
     return int(lifted @ quaternion(rod.clamping) < 0.0)
+
+
+def _followed(rod: Equilibrium) -> Array:
+    """Arc lengths close enough for a frame (as if K30 were 1) to be followed from one to the next.
+
+    A rod in two boundary layers is straight between them, and only twisted there.
+    """
+    root = math.sqrt(float(np.linalg.norm(rod.loads[:3])))
+    if not len(rod.layers) or 2.0 * _LAYER > root:
+        fastest = float(np.linalg.norm(rod.moment(65), axis=1).max())
+        return np.linspace(0.0, 1.0, 9 + int(_PER_RADIAN * fastest))
+    twist, layer = abs(rod.loads[5]), _LAYER / root
+    near = np.linspace(0.0, layer, 9 + int(_PER_RADIAN * layer * (2.0 * root + twist)))
+    between = np.linspace(layer, 1.0 - layer, 9 + int(_PER_RADIAN * twist))
+    return np.concatenate([near, between[1:-1], 1.0 - near[::-1]])

@@ -6,7 +6,8 @@ of a discretized Hessian, on the directions that keep the end in place, tells it
 soft that the mesh could turn their sign: a window around zero. The conjugate points have the
 index's parity, multiple ones being missed in pairs only. So the inertia counts if its parity is
 right, and if one mode is in the window the parity tells its sign; else the mesh is refined. For √F
-above `STIFF` det V has lost its digits, and two meshes must agree.
+above `STIFF` det V has lost its digits, and two meshes must agree. Above `_STEEP` all that decides
+is in the two boundary layers: modes there cost as much as F, rounding and the mesh far less.
 
 A family of rods (`Equilibrium.family_dimension`) has zero modes, as many as its dimensions: turns
 about the common line of both ends, shifts of a closed rod along itself. They cost nothing and do
@@ -25,6 +26,8 @@ from loopelastica.rod.kernels.second_variation import inertia, sign_changes
 from loopelastica.rod.kernels.shooting import moment_bound
 
 STIFF = 25.0
+# √F; segments of the graded mesh, and the error of its eigenvalues relative to F: at most 1e-6
+_STEEP, _LAYERED, _ROUNDED = 1e3, 512, 1e-5
 # most that a frame turns from one segment to the next, and the error of an eigenvalue near zero
 # for such a turn: 3.2 was the largest of 1,037, and it falls with the square of the turn
 _HINGE, _ERROR = 0.4, 4.0
@@ -65,11 +68,14 @@ def morse_index(rod: Equilibrium) -> int:
     """Number of independent ways downhill from a converged equilibrium, ends clamped."""
     if rod.method == Method.STRAIGHT:
         return 0
-    tense = math.sqrt(float(np.linalg.norm(rod.loads[:3]))) > STIFF
+    force = float(np.linalg.norm(rod.loads[:3]))
+    tense = math.sqrt(force) > STIFF
+    if math.sqrt(force) > _STEEP:
+        return _between(rod, _LAYERED, _ROUNDED * force)[0]
     n, before = segments(rod, _HINGE), -1
     conjugate = None if tense else conjugate_points(rod)
     for _ in range(_REFINEMENTS):
-        few, many = _between(rod, n)
+        few, many = _between(rod, n, max(_SOFTEST, _ERROR * (turning(rod) / (_HINGE * n)) ** 2))
         soft = many - few - rod.family_dimension
         odd = 0 if conjugate is None else (conjugate - few) % 2
         if conjugate is not None and (soft == 1 or (soft < 1 and not odd)):
@@ -91,9 +97,8 @@ def conjugate_points(rod: Equilibrium) -> int:
     return int(sign_changes(loads, rod.torsion_ratio, rod.clamping.free_spin, s, poses))
 
 
-def _between(rod: Equilibrium, n: int) -> tuple[int, int]:
+def _between(rod: Equilibrium, n: int, window: float) -> tuple[int, int]:
     """The least and the largest index that a mesh of ``n`` segments allows."""
-    window = max(_SOFTEST, _ERROR * (turning(rod) / (_HINGE * n)) ** 2)
     few, many = inertia(
         rod.loads.copy(), rod.clamping.position.copy(), rod.torsion_ratio,
         rod.clamping.free_spin, discrete_copy(rod, n), window,

@@ -165,21 +165,23 @@ class Catch(NamedTuple):
 def _key(g, symmetry, key):
     """What tells rods apart, into ``key`` (6,), in units of 1: their loads.
 
+    |F| is told by its logarithm: k equal waves are one wave shrunk, with the same ratios of loads.
     Turns about the line of the ends turn the loads about the middle's tangent. A rod that is also
     shifted along itself is told by |F|, F·M, M3 and h = ½|M|² + F·d3.
     """
     force = max(20.0, math.sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]))
     moment = 2.0 * math.sqrt(force)
+    growth = 1.0 + math.log(force / 20.0)
     if symmetry == 2:
         size = g[0] * g[0] + g[1] * g[1] + g[2] * g[2]
-        key[0] = math.sqrt(size) / force
+        key[0] = math.sqrt(size) / force * growth
         key[1] = (g[0] * g[3] + g[1] * g[4] + g[2] * g[5]) / (force * moment)
         key[2] = g[5] / moment
         key[3] = (0.5 * (g[3] * g[3] + g[4] * g[4] + g[5] * g[5]) + g[2]) / force
         key[4] = key[5] = 0.0
         return
     for c in range(3):
-        key[c] = g[c] / force
+        key[c] = g[c] / force * growth
         key[3 + c] = g[3 + c] / moment
     if symmetry == 1:
         # turned to where the larger of both is along d1
