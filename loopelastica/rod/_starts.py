@@ -88,6 +88,11 @@ class Deadline:
         """Whether the time is over."""
         return time.monotonic() >= self._end
 
+    @property
+    def left_s(self) -> float | None:
+        """Seconds left, more than 0 even if it has passed; None without a limit."""
+        return None if math.isinf(self._end) else max(self._end - time.monotonic(), 1e-9)
+
 
 def check_tolerance(tolerance: float) -> float:
     """The largest residual of a solution; ValueError unless it is a sensible one."""

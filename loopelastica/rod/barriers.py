@@ -2,9 +2,14 @@
 
 Every saddle of index 1 joins the two minima that its unstable direction leads to (`ways_down`). The
 lowest way from one minimum to another is that of a minimum spanning tree of this graph, and its
-highest saddle is the barrier. Where the saddles at hand leave minima apart that are in one
-component of the space of rods, and for each step of the tree, mountain passes are looked for
-(``_passes``): a new one joins what was apart, or undercuts a known one.
+highest saddle is the barrier. A list of all equilibria below a bound joins whatever is joined below
+it. While minima of one component of the space of rods are apart, the bound is raised; and passes
+that differ from known ones by turns of the end are looked for (``_turned``).
+
+A pass between rods of different twist goes over a loop, and the straighter a rod is held the
+tighter is the loop. One in an infinite rod under the tension F has the energy 4 √F and shortens it
+by 4/√F: in a rod that is shortened by 1 − |η| it costs about 16/(1 − |η|), and the bound is raised
+to twice as much.
 """
 
 import math
@@ -12,18 +17,21 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from loopelastica._arrays import Record
 from loopelastica._checks import shown
-from loopelastica.rod._passes import climbs, passes
 from loopelastica.rod._same import same
 from loopelastica.rod._starts import TOLERANCE, Deadline, check_tolerance
+from loopelastica.rod._turned import turned
 from loopelastica.rod.descent import ways_down
+from loopelastica.rod.equilibria import ENERGY_SPAN, equilibria
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.morse import homotopy_class
 from loopelastica.rod.stability import assess
 
-# a pass that is lower by less is the same
-_LOWER = 1e-6
+# energy of a loop times what it shortens a rod by; the least of that
+_LOOP, _SLACK = 16.0, 1e-9
 
 OTHER_CLASS = (
     "no motion with both ends clamped leads from one to the other: the end would have to be turned"
@@ -119,7 +127,9 @@ def barriers(
         Of one clamping and torsion ratio, as :func:`equilibria` lists them, each family once.
         Those that did not converge are passed over; indices are computed where they are not known.
     search : bool
-        Look for passes that the list does not have. False: only what its saddles of index 1 join.
+        Look for passes that the list does not have: above its bound, where its saddles of index 1
+        leave minima apart; also below, where it is no list of :func:`equilibria`, or one that a
+        time limit ended. False: only what its saddles of index 1 join.
     tolerance : float
         Largest residual of a pass that is found.
     time_limit_s : float, optional
@@ -158,7 +168,8 @@ def barriers(
     for saddle in sorted(saddles, key=lambda rod: rod.energy):
         landscape.add(saddle)
     if search:
-        landscape.search()
+        whole = not getattr(equilibria, "out_of_time", False)
+        landscape.search(getattr(equilibria, "energy_max", None) if whole else None)
     minima = [i for i, rod in listed.items() if rod.index == 0]
     pairs = [(i, j) for i in minima for j in minima if i < j]
     found = [rod for rod in landscape.found if not any(same(rod, o) for o in listed.values())]
@@ -201,6 +212,7 @@ class _Landscape:
     deadline: Deadline
     steps: list[_Step] = field(default_factory=list)
     found: list[Equilibrium] = field(default_factory=list)
+    turned: list[Equilibrium] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.listed = tuple(self.minima)
@@ -234,72 +246,60 @@ class _Landscape:
             self.found.append(saddle)
         return reached[0] if reached else None
 
-    def search(self) -> None:
-        """Look for passes between minima that are apart, then below each step of the tree."""
-        for c in (0, 1):
-            members = [i for i in self.listed if self.classes[i] == c]
-            for i in members[1:]:
-                first = members[0]
-                if self._way(first, i) is None:
-                    self._climb(i)
-                while not self.deadline.passed and self._way(first, i) is None:
-                    if not any(self._look(*pair, math.inf) for pair in self._pairs(first, i)):
-                        break
-        tried: list[_Step] = []
+    def search(self, energy_max: float | None) -> None:
+        """Look for passes above the bound of the list, if it has one, while minima are apart."""
+        if len(self.listed) < 2:
+            return
+        energies = [self.minima[i].energy for i in self.listed]
+        clamping = self.minima[self.listed[0]].clamping
+        bound = energy_max
+        if bound is None:
+            bound = max(min(energies) + ENERGY_SPAN, *energies)
+            self._raise(bound)
+        loop = _LOOP / max(1.0 - float(np.linalg.norm(clamping.position)), _SLACK)
+        span = max(ENERGY_SPAN, 0.25 * loop)
+        while self._apart() and not self.deadline.passed:
+            self._raise(bound + span)
+            if not clamping.free_spin:
+                self._turn()
+            if span > 2.0 * loop:
+                break
+            span *= 2.0
+
+    def _raise(self, energy_max: float) -> None:
+        """Add the saddles of index 1 below a bound."""
+        rod = self.minima[self.listed[0]]
+        if self.deadline.passed:
+            return
+        rods = equilibria(
+            rod.clamping, rod.torsion_ratio, energy_max, tolerance=self.tolerance,
+            time_limit_s=self.deadline.left_s,
+        )  # fmt: skip
+        for found in rods:
+            if found.index == 1:
+                self.add(found)
+
+    def _turn(self) -> None:
+        """Turn the ends of minima that are apart and of the passes of the tree."""
         while not self.deadline.passed:
-            left = [step for step in self._tree() if step not in tried]
-            if not left:
+            rods = [self.minima[i] for i in self._apart()]
+            rods += [step.saddle for step in self._tree()]
+            left = [rod for rod in rods if not any(same(rod, one) for one in self.turned)]
+            if not left or not self._apart():
                 break
-            step = left[-1]
-            tried.append(step)
-            self._look(*step.ends, step.saddle.energy - _LOWER)
+            self.turned.append(left[0])
+            for found in turned(left[0], self.tolerance):
+                found = assess(found)
+                if found.index == 1:
+                    self.add(found)
 
-    def _pairs(self, first: int, i: int) -> list[tuple[int, int]]:
-        """Both ways between a minimum and each that is joined to another, the nearest first."""
-        joined = sorted(
-            self._joined(first, math.inf),
-            key=lambda j: abs(self.minima[j].energy - self.minima[i].energy),
-        )
-        return [pair for j in joined for pair in ((j, i), (i, j))]
-
-    def _climb(self, start: int) -> None:
-        """Join a minimum to others by what is found from its softest modes."""
-        for saddle in climbs(self.minima[start], self.tolerance):
-            if self.deadline.passed:
-                break
-            self.add(saddle)
-
-    def _look(self, start: int, end: int, below: float) -> bool:
-        """Whether a pass below an energy leads out of what lower passes join to a minimum."""
-        basins = self._joined(start, below)
-        if end in basins:
-            return False
-
-        def inside(rod: Equilibrium) -> bool:
-            return any(same(self.minima[i], rod) for i in basins)
-
-        one, other = self.minima[start], self.minima[end]
-        for saddle in passes(one, other, inside, self.tolerance):
-            if saddle.energy >= below and any(same(step.saddle, saddle) for step in self.steps):
-                # the pass that was to be undercut
-                return False
-            if saddle.energy < below:
-                self.add(saddle)
-                if self._joined(start, below) != basins:
-                    return True
-            if self.deadline.passed:
-                break
-        return False
-
-    def _joined(self, start: int, below: float) -> set[int]:
-        """The minima that steps below an energy join to one."""
-        joined, before = {start}, 0
-        while len(joined) > before:
-            before = len(joined)
-            for step in self.steps:
-                if step.saddle.energy < below and not joined.isdisjoint(step.ends):
-                    joined.update(step.ends)
-        return joined
+    def _apart(self) -> list[int]:
+        """The listed minima that no way joins to the first of their class."""
+        first: dict[int, int] = {}
+        return [
+            i for i in self.listed
+            if self._way(first.setdefault(self.classes[i], i), i) is None
+        ]  # fmt: skip
 
     def _tree(self) -> list[_Step]:
         """The steps of a minimum spanning forest, lowest first (Kruskal)."""

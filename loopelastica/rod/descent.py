@@ -6,7 +6,7 @@ ends; multiple shooting refines what it comes to.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,11 +16,9 @@ from loopelastica.rod._discrete import discrete_copy, segments
 from loopelastica.rod._starts import TOLERANCE, check_tolerance, problem_of
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.descent import (
-    Passed,
     close,
     descend,
     displace,
-    settle,
     unstable_modes,
 )
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod
@@ -91,93 +89,35 @@ def ways_down(
     if index == 0:
         return []
     problem = problem_of(rod.clamping, rod.torsion_ratio, tolerance)
-    copy, _, modes, shift = soft_modes(rod, problem, index)
+    copy = discrete_copy(rod, segments(rod, HINGE))
+    modes = np.empty((index, len(copy.frames) - (1 if problem.free_spin else 2), 3))
+    shift = unstable_modes(problem, _ratio(problem), copy, rod.loads[:3].copy(), modes)
     found = []
     for mode in modes:
         for amount in (_FIRST, -_FIRST):
             start = DiscreteRod(copy.s, copy.frames.copy())
             displace(start, mode, amount)
-            low = descended(rod, problem, start, 2.0 * shift, reach).end
+            low = _descended(rod, problem, start, 2.0 * shift, reach)
             below = low.energy < rod.energy and homotopy_class(low) == homotopy_class(rod)
             found.append(low if below else _lost(rod))
     return found
 
 
-def soft_modes(
-    rod: Equilibrium, problem: Problem, count: int
-) -> tuple[DiscreteRod, Array, Array, float]:
-    """A rod's discrete copy with its force (3,) and lowest modes (count, blocks, 3).
+def _descended(
+    rod: Equilibrium, problem: Problem, start: DiscreteRod, shift: float, reach: float
+) -> Equilibrium:
+    """Where the gradient flow from a discrete rod ends; ``STALLED`` where the way was lost.
 
-    The last is the least shift found that leaves no mode unstable.
-    """
-    copy = discrete_copy(rod, segments(rod, HINGE))
-    force = rod.loads[:3].copy()
-    modes = np.empty((count, len(copy.frames) - (1 if problem.free_spin else 2), 3))
-    shift = unstable_modes(problem, _ratio(problem), copy, force, modes)
-    return copy, force, modes, float(shift)
-
-
-class Descent(NamedTuple):
-    """Where a gradient flow ended, and where it went slowest on its way: next to a saddle."""
-
-    end: Equilibrium
-    """``STALLED`` where the way was lost."""
-    slow_frames: Array
-    """(n + 2, 4)."""
-    slow_load: Array
-    """(6,): F and M at s = 0."""
-    slowest: float
-    """The imbalance there; inf if the flow went slower and slower."""
-
-
-def descended(
-    rod: Equilibrium,
-    problem: Problem,
-    start: DiscreteRod,
-    shift: float,
-    reach: float = _REACH,
-) -> Descent:
-    """Follow the gradient flow from a discrete rod, whose frames are changed, and refine its end.
-
-    Parameters
-    ----------
-    rod : Equilibrium
-        One with the same clamping and torsion ratio.
-    problem : Problem
-        The clamping in compiled code's terms.
-    start : DiscreteRod
-        What the flow begins at; its end need not be in place.
-    shift : float
-        One over the time of the first step.
-    reach : float
-        As in `ways_down`.
-
-    Returns
-    -------
-    Descent
+    The frames of ``start`` change. ``shift`` is one over the time of the first step.
     """
     force, moment = np.empty(3), np.empty(3)
     close(problem, _ratio(problem), start, force, reach)
-    passed = Passed(np.empty(start.frames.shape), np.empty(6))
-    arrived, energy, slowest = descend(
-        problem, _ratio(problem), start, force, moment, shift, reach, passed
-    )
-    end = _lost(rod)
+    arrived, energy = descend(problem, _ratio(problem), start, force, moment, shift, reach)
     if arrived:
         found = refined(rod, problem, start, np.concatenate([force, moment]))
         if abs(found.energy - energy) < _MARGIN * (1.0 + energy):
-            end = found
-    return Descent(end, passed.frames, passed.load, float(slowest))
-
-
-def settled(rod: Equilibrium, problem: Problem, near: DiscreteRod, load: Array) -> Equilibrium:
-    """The equilibrium, saddle or not, next to a discrete rod with the loads (6,)."""
-    force, moment = load[:3].copy(), np.empty(3)
-    still = DiscreteRod(near.s, near.frames.copy())
-    settle(problem, _ratio(problem), still, force, moment)
-    found = refined(rod, problem, still, np.concatenate([force, moment]))
-    # near a fold the mesh may have lost what is there
-    return found if found.converged else refined(rod, problem, near, load)
+            return found
+    return _lost(rod)
 
 
 def refined(rod: Equilibrium, problem: Problem, near: DiscreteRod, load: Array) -> Equilibrium:

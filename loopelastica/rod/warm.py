@@ -13,8 +13,6 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from loopelastica.rod._passes import climbs
-from loopelastica.rod._starts import TOLERANCE
 from loopelastica.rod.chain import deform_batch
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.continuation import continue_clamping, twist_end
@@ -59,7 +57,6 @@ def compile_paths() -> None:
     for each in (rod, free):
         # as if it were a saddle
         ways_down(replace(each, index=1))
-        list(climbs(each, TOLERANCE))
     assert rod.physical is not None
     rod.physical.clamping()
     rod.physical.loads()

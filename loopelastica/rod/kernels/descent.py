@@ -13,11 +13,9 @@ method ends the descent.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from loopelastica._arrays import Array
 from loopelastica.rod.kernels.discrete_rod import DiscreteRod, assemble, measure, new_hessian
 from loopelastica.rod.kernels.discrete_starts import first_moment
 from loopelastica.rod.kernels.jit import kernel
@@ -35,8 +33,6 @@ from loopelastica.rod.kernels.rotations import turn
 
 # shifts: none, and the least that makes a difference
 _FLOOR, _SHIFT = 1e-6, 1.0
-# the same for modes that cost nothing
-_SOFTEST = 0.05
 # Newton steps from the poses of a rod to its discrete copy, and their largest turn
 _SETTLING, _NEAR = 20, 0.2
 # orthogonal iterations; halvings of the interval that holds −λ
@@ -44,8 +40,8 @@ _ITERATIONS, _HALVINGS = 12, 5
 # steps that bring an end into place
 _CLOSINGS = 30
 # steps of a descent; the last Newton step of one; |constraint|₁ of a closed rod; an imbalance that
-# only an equilibrium has; growth of the imbalance that tells that a saddle was passed
-_STEPS, _SHORT, _CLOSED, _BALANCED, _FASTER = 2000, 1e-2, 1e-4, 1e-6, 2.0
+# only an equilibrium has
+_STEPS, _SHORT, _CLOSED, _BALANCED = 2000, 1e-2, 1e-4, 1e-6
 
 
 @kernel
@@ -107,17 +103,6 @@ def unstable_modes(problem, k3, rod, force, modes):
             for a in range(3):
                 modes[i, k, a] *= size
     return high
-
-
-@kernel
-def settle(problem, k3, rod, force, moment):
-    """Newton's method, without a shift, to the next critical point of the discrete energy.
-
-    Frames of ``rod`` and ``force`` (3,) in place; ``moment`` (3,) becomes M at s = 0.
-    """
-    hessian = new_hessian(rod.s.shape[0] - 1, problem.free_spin)
-    _settle(problem, k3, rod, force, hessian, new_step(hessian.gradient.shape[0]))
-    first_moment(hessian.omega, rod.s, k3, moment)
 
 
 @kernel
@@ -260,49 +245,27 @@ def _turned_by(side, pull, length, b):
         b[a] = (side[a, 0] * pull[0] + side[a, 1] * pull[1] + side[a, 2] * pull[2]) / length
 
 
-class Passed(NamedTuple):
-    """Where a descent went slowest before it went faster again: next to a saddle."""
-
-    frames: Array
-    """(n + 2, 4)."""
-    load: Array
-    """(6,): F, and M at s = 0."""
-
-
 @kernel
-def descend(problem, k3, rod, force, moment, shift, reach, passed):
+def descend(problem, k3, rod, force, moment, shift, reach):
     """Follow the gradient flow from a discrete rod, its frames in place, to where it ends.
 
     ``force`` (3,) is a multiplier near the rod's and becomes that of the end, ``moment`` (3,)
     becomes M at s = 0 there. ``shift`` is one over the first step's time, ``reach`` the largest
-    turn of a frame in a step. Returns (arrived, energy, slowest): the imbalance at the place that
-    ``passed`` becomes, infinite if there is none.
+    turn of a frame in a step. Returns (arrived, energy).
     """
     position, s = problem.position, rod.s
     hessian = new_hessian(s.shape[0] - 1, problem.free_spin)
     omega, step = hessian.omega, new_step(hessian.gradient.shape[0])
     c, multiplier = step.constraint, step.multiplier
     trial, trial_c = DiscreteRod(s, np.empty(rod.frames.shape)), np.empty(3)
-    slow = Passed(np.empty(rod.frames.shape), np.empty(6))
-    slowest, least, mu = math.inf, math.inf, 0.0
+    mu = 0.0
     energy = measure(rod, position, k3, omega, c)
     for _ in range(_STEPS):
         assemble(rod, k3, force, hessian)
         norm_c, rest = l1(c), imbalance(hessian, force)
-        first_moment(omega, s, k3, moment)
         if norm_c < _CLOSED and rest < _BALANCED:
-            return True, energy, slowest
-        if rest < least:
-            least = rest
-            _keep_place(rod, force, moment, slow)
-        elif rest > _FASTER * least:
-            index, _, _, _ = newton_step(hessian, s, True, _SOFTEST, step)
-            # else it is a saddle of a higher index, or Newton's method overshoots near the end
-            if index == 1 and least < slowest:
-                slowest = least
-                _keep_place(DiscreteRod(s, slow.frames), slow.load[:3], slow.load[3:], passed)
-            least = rest
-            _keep_place(rod, force, moment, slow)
+            first_moment(omega, s, k3, moment)
+            return True, energy
         if shift < _SHIFT:
             shift = _FLOOR
         _, shift, downhill, largest = newton_step(hessian, s, False, shift, step)
@@ -321,7 +284,8 @@ def descend(problem, k3, rod, force, moment, shift, reach, passed):
             measure(rod, position, k3, omega, c)
             if shift < _SHIFT and largest < _SHORT and norm_c < _CLOSED:
                 # rounding hides what is left
-                return True, energy, slowest
+                first_moment(omega, s, k3, moment)
+                return True, energy
             shift = 4.0 * max(_SHIFT, shift)
             if not shift < 1e12:
                 break
@@ -335,12 +299,4 @@ def descend(problem, k3, rod, force, moment, shift, reach, passed):
             force[i] += taken * (multiplier[i] - force[i])
         copy(trial_c, c)
         copy_rows(trial.frames, rod.frames)
-    return False, math.inf, slowest
-
-
-@kernel
-def _keep_place(rod, force, moment, place):
-    """Copy where a descent is."""
-    copy_rows(rod.frames, place.frames)
-    for i in range(3):
-        place.load[i], place.load[3 + i] = force[i], moment[i]
+    return False, math.inf
