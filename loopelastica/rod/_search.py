@@ -40,8 +40,6 @@ _TOURS, _STEPS, _LONGEST = 8, 600, 0.5
 _AGREE = 0.9
 # tours go on up to this much above the bound, relative to it
 _MARGIN = 0.3
-# loads nearer than this, relative to their units, may be those of one rod
-_NEAR = 3e-3
 # starts with a loop in the middle: β and azimuths
 _BETAS, _AZIMUTHS = (-0.6, -0.35, -0.1, 0.1, 0.35, 0.6), 4
 # how a clamping is tilted that has its ends on one line
@@ -240,7 +238,7 @@ class Search:
             self._catch,
             ended,
         )
-        self.starts += drawn
+        self.starts += near_search.starts
         self._count("pulled from a slacker clamping", known)
 
     def beside(self, drawn: int, most: int, energy_max: float) -> None:
@@ -265,6 +263,7 @@ class Search:
             search.tour(axis, energy_max, most)
         low = search._catch.energies[: len(search)] < energy_max
         self._harvest(search._catch.loads[: len(search)][low], "from a tilted clamping")
+        self.starts += search.starts
         self.tours = search.tours
 
     def _count(self, way: str, known: int) -> None:

@@ -225,8 +225,11 @@ def follow(problem, tour, start, sign, met, counts):
                 low = math.floor(min(before, event)) + 1.0
                 crossings = int(math.floor(max(before, event)) - low + 1.0)
             for i in range(crossings):
+                # a soft twist comes by without end
+                if found == met.shape[0]:
+                    break
                 # the first step leaves the start's own event behind
-                if found == met.shape[0] or (leaving and abs(low + i - own) < 0.5):
+                if leaving and abs(low + i - own) < 0.5:
                     continue
                 share = (low + i - before) / (event - before)
                 apart = 0.0
