@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from draws import load_drawn
+from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica.rod.barriers import NONE_FOUND, OTHER_CLASS
@@ -150,6 +151,16 @@ def test_passes_above_the_bound_of_the_list_join_what_it_leaves_apart():
         assert any(barrier.saddle is rod for rod in barriers.found)
 
 
+def test_a_pass_with_the_same_loop_and_other_twist_is_found():
+    turn = Rotation.from_rotvec([-0.9428, 0.7056, 2.19]).as_matrix()
+    rods = le.equilibria(le.Clamping([0.1367, 0.5849, 0.65], turn), 0.5)
+    wound = next(i for i, rod in enumerate(rods) if abs(rod.energy - 53.1244) < 1e-3)
+    barrier = le.barriers(rods).between(0, wound)
+    # under a tension of 1177
+    assert barrier.energy == pytest.approx(154.840, abs=1e-2)
+    assert [rod.index for rod in barrier.via] == [1] * len(barrier.via)
+
+
 def test_a_plain_list_of_minima_has_the_barriers_of_the_whole_list(rods):
     minima = [rod for rod in rods if rod.energy < 50 and rod.index == 0]
     whole = {b.energy for b in le.barriers(rods) if max(b.minima) < 4 and b.saddle is not None}
@@ -188,8 +199,6 @@ def own_descent(saddle, sign, n=48):
 
     Turns of the n frames between both ends; E = ½ n Σ ω², ω the turn from each to the next.
     """
-    from scipy.spatial.transform import Rotation
-
     frames = Rotation.from_quat(
         saddle.poses(np.r_[0.0, (np.arange(n) + 0.5) / n, 1.0])[:, 3:], scalar_first=True
     )
