@@ -1,9 +1,9 @@
 """Rods of one clamping on the curve that a rod follows while its end is turned.
 
 After each whole turn of the end the clamping is the first one again. Between folds the rods along
-the curve keep their Morse index, so from a pass with a tight loop in it, too tense for the search
-of ``equilibria``, come the passes with the same loop and other twist, and from a minimum next to a
-fold the pass beside it.
+the curve mostly keep their Morse index, so that from a pass with a tight loop in it come the passes
+with the same loop and other twist, which the search of ``equilibria`` may miss: its shots from the
+middle end where a rod is too tense.
 """
 
 import math

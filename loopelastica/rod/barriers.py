@@ -280,10 +280,9 @@ class _Landscape:
                 self.add(found)
 
     def _turn(self) -> None:
-        """Turn the ends of minima that are apart and of the passes of the tree."""
+        """Turn the ends of the passes of the tree, the lowest first."""
         while not self.deadline.passed:
-            rods = [self.minima[i] for i in self._apart()]
-            rods += [step.saddle for step in self._tree()]
+            rods = [step.saddle for step in self._tree()]
             left = [rod for rod in rods if not any(same(rod, one) for one in self.turned)]
             if not left or not self._apart():
                 break

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from draws import load_drawn
+from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica.rod.barriers import NONE_FOUND, OTHER_CLASS
@@ -124,3 +125,111 @@ def test_what_is_no_list_of_one_clamping_is_refused(rods):
         le.barriers([rods[0], 3])
     with pytest.raises(ValueError, match="`equilibria` is 3"):
         le.barriers(3)
+
+
+# rods that are held nearly straight, and wound: they pass each other over a loop
+HELD = le.Clamping(
+    [-0.8188014257997491, -0.04689623429758041, -0.34606887245488954],
+    [
+        [0.8363968610926622, 0.2613308224707238, 0.48181582786487726],
+        [0.282818084077299, 0.5472218996777773, -0.787757655459837],
+        [-0.4695255286703672, 0.7951442596431849, 0.3837855967637447],
+    ],
+)
+
+
+def test_passes_above_the_bound_of_the_list_join_what_it_leaves_apart():
+    rods = le.equilibria(HELD)
+    apart = [b for b in le.barriers(rods, search=False) if b.message == NONE_FOUND]
+    assert apart
+    barriers = le.barriers(rods)
+    for pair in apart:
+        barrier = barriers.between(*pair.minima)
+        assert barrier.energy > rods.energy_max
+        assert barrier.saddle.index == 1
+        assert barrier.message == ""
+        assert any(barrier.saddle is rod for rod in barriers.found)
+
+
+def test_a_pass_with_the_same_loop_and_other_twist_is_found():
+    turn = Rotation.from_rotvec([-0.9428, 0.7056, 2.19]).as_matrix()
+    rods = le.equilibria(le.Clamping([0.1367, 0.5849, 0.65], turn), 0.5)
+    wound = next(i for i, rod in enumerate(rods) if abs(rod.energy - 53.1244) < 1e-3)
+    barrier = le.barriers(rods).between(0, wound)
+    # under a tension of 1177
+    assert barrier.energy == pytest.approx(154.840, abs=1e-2)
+    assert [rod.index for rod in barrier.via] == [1] * len(barrier.via)
+
+
+def test_a_plain_list_of_minima_has_the_barriers_of_the_whole_list(rods):
+    minima = [rod for rod in rods if rod.energy < 50 and rod.index == 0]
+    whole = {b.energy for b in le.barriers(rods) if max(b.minima) < 4 and b.saddle is not None}
+    plain = {b.energy for b in le.barriers(minima) if b.saddle is not None}
+    assert sorted(plain) == pytest.approx(sorted(whole)[: len(plain)], abs=1e-6)
+    assert plain
+    # and a higher pass in the list does not stand for a lower one that is not
+    saddles = [rod for rod in rods if rod.index == 1 and rod.energy > 41]
+    again = {b.energy for b in le.barriers(minima + saddles) if b.saddle is not None}
+    assert sorted(again) == pytest.approx(sorted(plain), abs=1e-6)
+
+
+@pytest.mark.parametrize("free_spin", [False, True])
+def test_circles_of_rods_are_joined_by_circles(free_spin):
+    rods = le.equilibria(le.Clamping([0, 0, 0.5], np.eye(3), free_spin), rounds=1)
+    barriers = [b for b in le.barriers(rods) if b.message != OTHER_CLASS]
+    assert barriers
+    for barrier in barriers:
+        one, other = (rods[i] for i in barrier.minima)
+        # mirror images of one another, over a planar rod
+        assert one.energy == pytest.approx(other.energy, abs=1e-6)
+        assert barrier.saddle.family_dimension == 1
+        assert barrier.saddle.twist == pytest.approx(round(barrier.saddle.twist), abs=1e-6)
+
+
+def test_the_closed_ring_wound_once_passes_over_the_figure_eight():
+    rods = le.equilibria(le.Clamping([0, 0, 0], np.eye(3)), rounds=1)
+    joined = [b for b in le.barriers(rods) if b.saddle is not None]
+    assert [b.energy for b in joined] == pytest.approx([56.220], abs=1e-3)
+    heights = [height for b in joined for height in b.height_from]
+    assert heights == pytest.approx([56.220 - 4 * np.pi**2] * 2, abs=1e-3)
+
+
+def own_descent(saddle, sign, n=48):
+    """Energy at the end of an explicit gradient flow of a chain of rotations, K30 = 1.
+
+    Turns of the n frames between both ends; E = ½ n Σ ω², ω the turn from each to the next.
+    """
+    frames = Rotation.from_quat(
+        saddle.poses(np.r_[0.0, (np.arange(n) + 0.5) / n, 1.0])[:, 3:], scalar_first=True
+    )
+    weights = np.r_[2.0, np.ones(n - 1), 2.0] * n
+    position = saddle.clamping.position
+    rng = np.random.default_rng(5)
+    step, kick, energy = 0.1 / n**2, rng.normal(size=(n, 3)), np.inf
+    for k in range(60_000):
+        omega = (frames[:-1].inv() * frames[1:]).as_rotvec() * weights[:, None] ** 0.5
+        before, energy = energy, 0.5 * np.sum(omega**2)
+        if k > 2000 and k % 500 == 0 and abs(before - energy) < 1e-7:
+            break
+        force = omega * weights[:, None] ** 0.5
+        slope = n * (force[1:] - force[:-1])
+        if k < 1500:
+            # along a random direction until the unstable one has taken over
+            slope = slope + sign * 20.0 * np.exp(-k / 200) * kick
+        inner = frames[1:-1].as_matrix()
+        # the turn b moves the end by −(t × …) / n: columns d1, d2
+        sides = np.stack([-inner[:, :, 1], inner[:, :, 0], 0 * inner[:, :, 2]], axis=2) / n
+        sides = sides.transpose(1, 0, 2).reshape(3, -1)
+        off = inner[:, :, 2].sum(axis=0) / n - position
+        turns = step * slope.ravel()
+        turns -= sides.T @ np.linalg.solve(sides @ sides.T, sides @ turns + off)
+        moved = frames[1:-1] * Rotation.from_rotvec(turns.reshape(-1, 3))
+        frames = Rotation.concatenate([frames[0], moved, frames[-1]])
+    return energy
+
+
+@pytest.mark.slow
+def test_an_own_chain_flows_from_the_pass_to_both_minima(rods):
+    barrier = le.barriers(rods, search=False).between(1, 2)
+    ends = sorted(own_descent(barrier.saddle, sign) for sign in (1.0, -1.0))
+    assert ends == pytest.approx([rods[1].energy, rods[2].energy], rel=0.02)

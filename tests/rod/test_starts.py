@@ -27,7 +27,9 @@ def test_a_deadline_passes_when_its_time_is_over(monkeypatch):
     for time, passed in ((101.9, False), (102.0, True), (1e9, True)):
         now[0] = time
         assert deadline.passed is passed
+        assert 0.0 < deadline.left_s <= 0.11
         assert not never.passed
+        assert never.left_s is None
 
 
 def test_tables_of_starts_begin_with_the_plain_one():
