@@ -220,7 +220,7 @@ def _followed(rod: Equilibrium) -> Array:
     A rod in two boundary layers is straight between them, and only twisted there.
     """
     root = math.sqrt(float(np.linalg.norm(rod.loads[:3])))
-    if not len(rod.layers) or 2.0 * _LAYER > root:
+    if not len(rod.layers) or root < 2.0 * _LAYER:
         fastest = float(np.linalg.norm(rod.moment(65), axis=1).max())
         return np.linspace(0.0, 1.0, 9 + int(_PER_RADIAN * fastest))
     twist, layer = abs(rod.loads[5]), _LAYER / root
