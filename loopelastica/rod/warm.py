@@ -36,7 +36,7 @@ _FRAME = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
 def compile_solver() -> None:
-    """Compile what `solve`, `solve_batch`, a round of `equilibria` and the folding of loops need."""
+    """Compile what `solve`, `solve_batch`, one round of `equilibria` and the folds need."""
     for parameters in (_SLACK, _TENSE, _TOUCHING, _IN_LINE):
         for free_spin in (False, True):
             clamping = Clamping.from_parameters(parameters, free_spin)
