@@ -77,13 +77,15 @@ def morse_index(rod: Equilibrium) -> int:
     for _ in range(_REFINEMENTS):
         few, many = _between(rod, n, max(_SOFTEST, _ERROR * (turning(rod) / (_HINGE * n)) ** 2))
         soft = many - few - rod.family_dimension
-        odd = 0 if conjugate is None else (conjugate - few) % 2
-        if conjugate is not None and (soft == 1 or (soft < 1 and not odd)):
-            return few + odd
-        if conjugate is None and soft < 1 and few == before:
-            return few
-        n, before = 2 * n, few
-    return few
+        # a family's zero modes that the window does not hold: the mesh makes them negative
+        index = few + min(soft, 0)
+        odd = 0 if conjugate is None else (conjugate - index) % 2
+        if conjugate is not None and (soft == 1 or (-1 <= soft < 1 and not odd)):
+            return index + odd
+        if conjugate is None and soft < 1 and index == before:
+            return index
+        n, before = 2 * n, index
+    return index
 
 
 def conjugate_points(rod: Equilibrium) -> int:

@@ -17,6 +17,7 @@ from loopelastica.rod.chain import deform_batch
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.continuation import continue_clamping, twist_end
 from loopelastica.rod.descent import ways_down
+from loopelastica.rod.equilibria import equilibria
 from loopelastica.rod.kernels.code_store import shipped_folder, try_writing, user_folder
 from loopelastica.rod.kernels.portable import portable_environment
 from loopelastica.rod.solve import solve
@@ -33,7 +34,7 @@ _FRAME = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
 def compile_solver() -> None:
-    """Compile what `solve`, `solve_batch`, `equilibria` and the folding of loops need."""
+    """Compile what `solve`, `solve_batch`, one round of `equilibria` and the folds need."""
     for parameters in (_SLACK, _TENSE, _TOUCHING, _IN_LINE):
         for free_spin in (False, True):
             clamping = Clamping.from_parameters(parameters, free_spin)
@@ -41,12 +42,14 @@ def compile_solver() -> None:
             assess(rod)
             conjugate_points(rod)
             rod.centerline(3)
+    equilibria(Clamping.from_parameters(_SLACK), energy_max=30.0, rounds=1)
     surrounded_rods((0, 0, 0), (0, 0, 1), (1, 0, 0), (0, 0, -1), 2.5, segments=8)
     deform_batch(((0, 0, 1), (1, 0, 0)), _FRAME, (1, 0.5, 0.5), _FRAME)
 
 
 def compile_paths() -> None:
-    """Compile what continuation, barriers, the closed form and the writhe need."""
+    """Compile what more rounds, continuation, barriers, the closed form and the writhe need."""
+    equilibria(Clamping.from_parameters(_SLACK), energy_max=30.0)
     rod = solve(Clamping.from_parameters(_SLACK))
     twist_end(rod, 0.1)
     continue_clamping(rod, Clamping.from_parameters((-0.4, -0.1, 0.52, 4.8, 1.4, 2.2)))

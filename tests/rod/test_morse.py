@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from draws import closed_ring, drawn_rods, shot
+from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica.rod.kernels.records import Status
@@ -132,3 +133,16 @@ def test_rods_of_several_clampings_and_none_are_refused():
         morse_count([*rods(FREE, 0), *rods(CLAMPING, 0)])
     with pytest.raises(ValueError, match="`rods` has no equilibrium"):
         morse_count([])
+
+
+@pytest.mark.parametrize("short", [1e-4, 1e-8])
+def test_classes_of_rods_in_boundary_layers_go_with_their_turns(short):
+    # beyond any number of frames at equal distances
+    frame = Rotation.from_rotvec([0.4, 0.8, -0.3]).as_matrix()
+    rods = le.equilibria(le.Clamping([0, 0, 1 - short], frame), rounds=1)
+    assert all(len(rod.layers) for rod in rods)
+    by_twist = sorted(rods, key=lambda rod: rod.twist)
+    odd = [round(rod.twist - by_twist[0].twist) % 2 for rod in by_twist]
+    differs = [int(homotopy_class(rod) != homotopy_class(by_twist[0])) for rod in by_twist]
+    assert differs == odd
+    assert sum(odd) > 0

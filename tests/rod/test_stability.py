@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from dense import eigenvalues
 from draws import closed_ring, drawn_rods
+from scipy.spatial.transform import Rotation
 
 import loopelastica as le
 from loopelastica.rod.stability import STIFF, assess, conjugate_points, morse_index
@@ -95,3 +96,17 @@ def test_the_index_is_computed_when_asked_and_kept():
     assert assess(judged) is judged
     straight = le.solve(le.Clamping.from_parameters([0, 0, 1, 2.0, 0, 0]))
     assert assess(straight).stable
+
+
+@pytest.mark.parametrize("free_spin", [False, True])
+def test_the_index_of_tense_rods_does_not_change_with_the_tension(free_spin):
+    # their layers only shrink
+    frame = Rotation.from_rotvec([1.2, 0.8, -0.3]).as_matrix()
+    direction = np.array([0.3, -0.2, 0.9]) / np.linalg.norm([0.3, -0.2, 0.9])
+    seen = []
+    for short in (1e-3, 1e-4, 1e-5, 1e-6, 1e-8):
+        clamping = le.Clamping((1 - short) * direction, frame, free_spin)
+        rods = le.equilibria(clamping, rounds=1, energy_max=1e18)
+        assert rods[0].index == 0
+        seen.append([rods.by_index[0] > 0, len(rods.by_index)])
+    assert seen == [seen[0]] * len(seen)

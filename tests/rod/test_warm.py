@@ -31,7 +31,7 @@ with event.install_recorder("numba:compile") as compiled:
         clamping = le.Clamping(places[k], frames[k], free_spin=k % 2)
         rods = le.equilibria(clamping, rounds=1)
         rods[0].poses_without_spin(3), rods[0].moment(3), rods[0].curvature(3)
-        le.barriers(rods)
+        le.barriers(rods), le.equilibria(clamping).evidence
         rod = le.solve(clamping, guess=rods[0].loads)
         rod.physical.centerline(4), rod.physical.frames(4), rod.net_winding, rod.writhe, rod.turns
         near = le.Clamping(0.999 * places[k], frames[k], free_spin=k % 2)
@@ -50,6 +50,7 @@ with event.install_recorder("numba:compile") as compiled:
     for free_spin in (False, True):
         clamping = le.Clamping(0.9 * shape.clamping.position, frames[0], free_spin)
         shape.deform(clamping, guess=shape.deform(clamping)), shape.equilibria(clamping, 2)
+    le.equilibria(le.Clamping([0, 0, 0.5], np.eye(3)), 0.7).evidence
     aligned = le.solve(le.Clamping([0, 0, 0.5], np.eye(3)))
     le.continue_clamping(aligned, le.Clamping([0, 0.1, 0.5], np.eye(3)))
 print(*sorted({e.data["dispatcher"].py_func.__name__ for _, e in compiled.buffer}))

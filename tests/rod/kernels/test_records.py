@@ -22,9 +22,9 @@ def test_methods_and_states_are_numbers_with_words():
         "NONE", "SHOOTING", "BOUNDARY_LAYERS", "REFINED_LAYERS", "DISCRETE_ROD",
         "DISCRETE_ROD_LAYERS", "DISCRETE_ROD_SHOOTING", "CONTINUATION", "NEARBY", "GUESS",
         "STRAIGHT",
-        "NEARLY_STRAIGHT",
+        "NEARLY_STRAIGHT", "MIDDLE",
     ]  # fmt: skip
-    assert list(Method) == list(range(12))
+    assert list(Method) == list(range(13))
     assert list(Status) == list(range(8))
     labels = [method.label for method in Method]
     assert len(set(labels)) == len(labels)
