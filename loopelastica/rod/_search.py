@@ -203,7 +203,9 @@ class Search:
             root = 4.0 * math.cos(beta) / (1.0 - float(np.linalg.norm(self.clamping.position)))
             theta = 2.0 * math.asin(math.cos(beta))
             across = root**2 * math.sin(theta), math.copysign(2.0 * root * math.cos(beta), beta)
-            for azimuth in np.arange(_AZIMUTHS) * (math.tau / _AZIMUTHS):
+            # where both ends are on one line every azimuth is the same rod, turned
+            azimuths = 1 if self.symmetric else _AZIMUTHS
+            for azimuth in np.arange(azimuths) * (math.tau / azimuths):
                 c, s = math.cos(azimuth), math.sin(azimuth)
                 loops.append(
                     (
@@ -218,7 +220,8 @@ class Search:
         """From the rods of a slacker clamping, found there and pulled outwards."""
         clamping, size = self.clamping, float(np.linalg.norm(self.clamping.position))
         short = 1.0 - slack * (1.0 - size)
-        if drawn == 0 or not short > 0.1 or self.deadline.passed:
+        # circles of rods have no single direction to go on in: they are pulled beside the line
+        if drawn == 0 or self.symmetric or not short > 0.1 or self.deadline.passed:
             return
         near = Clamping(short / size * clamping.position, clamping.rotation, clamping.free_spin)
         near_search = Search(near, self.torsion_ratio, self.tolerance, self.deadline)
@@ -264,7 +267,8 @@ class Search:
         low = search._catch.energies[: len(search)] < energy_max
         self._harvest(search._catch.loads[: len(search)][low], "from a tilted clamping")
         self.starts += search.starts
-        self.tours = search.tours
+        for name, count in vars(search.tours).items():
+            setattr(self.tours, name, getattr(self.tours, name) + count)
 
     def _count(self, way: str, known: int) -> None:
         self.found_by[way] = self.found_by.get(way, 0) + len(self) - known

@@ -142,14 +142,18 @@ class Equilibria(list[Equilibrium]):
         rounds: int = 0,
         found_by: dict[str, int] | None = None,
         tours: Tours | None = None,
+        selected: bool = False,
     ) -> None:
-        below = sorted((f for f in found if f.rod.energy <= energy_max), key=lambda f: f.rod.energy)
+        # rods that lie on the bound itself are listed, whatever rounding says
+        highest = energy_max * (1.0 + 1e-9)
+        below = sorted((f for f in found if f.rod.energy <= highest), key=lambda f: f.rod.energy)
         super().__init__(f.rod for f in below)
         self.energy_max = energy_max
         self.starts = starts
         self.out_of_time = out_of_time
         self.hits = tuple(f.hits for f in below)
         self.rounds = rounds
+        self._selected = selected
         self.found_by = found_by or {}
         self.tours = tours or Tours()
 
@@ -183,8 +187,11 @@ class Equilibria(list[Equilibrium]):
 
     @functools.cached_property
     def morse(self) -> MorseCount | None:
-        """What topology demands of the list (:func:`.morse_count`); None if it is empty."""
-        return morse_count(self) if self else None
+        """What topology demands of the list (:func:`.morse_count`).
+
+        None if it is empty, or if only rods with certain `turns` were asked for.
+        """
+        return morse_count(self) if self and not self._selected else None
 
     @property
     def evidence(self) -> str:
@@ -315,6 +322,7 @@ def equilibria(
         rounds=done,
         found_by=search.found_by,
         tours=search.tours,
+        selected=turns is not None,
     )
     result[:] = [assess(rod) for rod in result]
     return result
