@@ -11,7 +11,10 @@ from loopelastica.rod.stability import STIFF, assess, conjugate_points, morse_in
 
 
 @pytest.mark.parametrize("free_spin", [False, True])
-@pytest.mark.parametrize("torsion_ratio", [0.1, 0.7, 1.0, 10.0])
+@pytest.mark.parametrize(
+    "torsion_ratio",
+    [0.7, *(pytest.param(ratio, marks=pytest.mark.slow) for ratio in (0.1, 1.0, 10.0))],
+)
 def test_the_index_is_that_of_a_second_variation_in_sines(rng, torsion_ratio, free_spin):
     seen = set()
     for rod in drawn_rods(rng, 12, torsion_ratio, free_spin):
