@@ -71,9 +71,10 @@ def draw(rng: np.random.Generator, count: int, torsion_ratio: float, free_spin: 
     force = rng.normal(size=(count, 3))
     force *= (size / np.linalg.norm(force, axis=1))[:, None]
     # 2√|F| is the moment at the top of a loop under tension
-    bending = rng.uniform(0.0, 1.0, count) * (2.2 * np.sqrt(size) + 4.0)
+    largest = 2.2 * np.sqrt(size) + 4.0
+    bending = rng.uniform(0.0, 1.0, count) * largest
     azimuth = rng.uniform(0.0, math.tau, count)
-    widest = np.minimum(math.sqrt(2.0 * _ENERGY * torsion_ratio), 2.2 * np.sqrt(size) + 4.0)
+    widest = np.minimum(math.sqrt(2.0 * _ENERGY * torsion_ratio), largest)
     twist = np.zeros(count) if free_spin else rng.uniform(-1.0, 1.0, count) * widest
     moment = np.stack([bending * np.cos(azimuth), bending * np.sin(azimuth), twist], axis=1)
     return np.hstack([force, moment])

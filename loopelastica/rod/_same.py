@@ -5,7 +5,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from loopelastica._arrays import Array
 from loopelastica.rod.equilibrium import Equilibrium
@@ -60,6 +59,8 @@ def mark(rod: Equilibrium) -> Array:
         return np.array([rod.twist, size, whole, wrench / (1.0 + size)]) / (1.0 + size)
     layer = 1.0 / max(_TENSE, math.sqrt(math.hypot(*force)))
     poses = rod.poses(np.sort(np.append(np.linspace(0.0, 1.0, _POINTS), [layer, 1.0 - layer])))
+    from scipy.spatial.transform import Rotation
+
     frames = Rotation.from_quat(poses[:, 3:], scalar_first=True).as_matrix()
     if not rod.clamping.on_one_line:
         return np.concatenate([poses[:, :3].ravel(), frames.ravel()])

@@ -15,15 +15,15 @@ from loopelastica._arrays import Array
 from loopelastica.rod._middles import draw, middles
 from loopelastica.rod._starts import (
     Deadline,
+    equilibrium_of,
     from_start,
     problem_of,
-    record_of,
 )
 from loopelastica.rod.clamping import Clamping
 from loopelastica.rod.equilibrium import Equilibrium
 from loopelastica.rod.kernels.middle import MAX_RATE, Catch, enter, harvest
 from loopelastica.rod.kernels.multistart import new_rows
-from loopelastica.rod.kernels.records import Method, Start, Status
+from loopelastica.rod.kernels.records import Start
 from loopelastica.rod.kernels.rotations import matrix_from_quaternion
 from loopelastica.rod.kernels.settling import settle
 from loopelastica.rod.kernels.shooting import moment_bound
@@ -297,16 +297,9 @@ class Search:
         """Solutions from loads (n, 6) in the middle; some may not have converged."""
         rows = new_rows(len(loads))
         settle(self._problem, loads, rows)
-        methods = [Method(method) for method in rows.method]
         return [
-            Equilibrium(
-                self.clamping, self.torsion_ratio, rows.loads[k], float(rows.energy[k]),
-                float(rows.residual[k]),
-                Status.STALLED if method == Method.NONE else Status.CONVERGED, method,
-                **record_of(rows, k),
-            )
-            for k, method in enumerate(methods)
-        ]  # fmt: skip
+            equilibrium_of(self.clamping, self.torsion_ratio, rows, i) for i in range(len(loads))
+        ]
 
 
 def _symmetry(clamping: Clamping) -> int:

@@ -263,16 +263,21 @@ def _searched(
     rows = new_rows(1)
     poses = clamping.position[None].copy(), quaternion(clamping)[None]
     run_batch(Problems(*poses, torsion_ratio, clamping.free_spin, tolerance), search, rows)
-    method = Method(rows.method[0])
+    return equilibrium_of(clamping, torsion_ratio, rows, 0)
+
+
+def equilibrium_of(clamping: Clamping, torsion_ratio: float, rows: Rows, i: int) -> Equilibrium:
+    """What row ``i`` came to, ``STALLED`` where there is no solution."""
+    method = Method(rows.method[i])
     return Equilibrium(
         clamping,
         torsion_ratio,
-        rows.loads[0],
-        float(rows.energy[0]),
-        float(rows.residual[0]),
+        rows.loads[i],
+        float(rows.energy[i]),
+        float(rows.residual[i]),
         Status.STALLED if method == Method.NONE else Status.CONVERGED,
         method,
-        **record_of(rows, 0),
+        **record_of(rows, i),
     )
 
 

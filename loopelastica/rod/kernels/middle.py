@@ -21,9 +21,8 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.rod.kernels.jit import kernel
-from loopelastica.rod.kernels.newton import end_error, marquardt_step
+from loopelastica.rod.kernels.newton import end_error, marquardt_step, predicted_decrease, squares
 from loopelastica.rod.kernels.rotations import (
-    larger,
     matrix_from_quaternion,
     product,
     spin,
@@ -135,15 +134,6 @@ def load_scales(g, scale):
         scale[3 + c] = moment
 
 
-@kernel
-def largest(e):
-    """Largest component of an error (6,), inf if it is not a number."""
-    worst = 0.0
-    for c in range(6):
-        worst = larger(worst, abs(e[c]))
-    return worst if worst == worst else math.inf
-
-
 class Catch(NamedTuple):
     """Rods found, by their loads in the middle."""
 
@@ -244,9 +234,7 @@ def drive(problem, g, most, catch, shot):
     work = shoot_middle(g, ratio, DENSITY, WITH_JACOBIAN, shot)
     end_error(problem, shot.y, g[5], e, jacobian, True)
     nu, growth = 1e-3, 2.0
-    cost, before = 0.0, math.inf
-    for c in range(6):
-        cost += e[c] * e[c]
+    cost, before = squares(e), math.inf
     iteration = 0
     while (iteration < most or cost < 0.25 * before) and iteration < _MOST:
         if cost < 1e-14:
@@ -260,21 +248,15 @@ def drive(problem, g, most, catch, shot):
         load_scales(g, scale)
         gain, new_cost, new_work = -1.0, math.inf, 0.0
         if marquardt_step(jacobian, e, scale, nu, a, d):
-            predicted = 0.0
+            predicted = predicted_decrease(jacobian, e, d)
             for c in range(6):
                 trial[c] = g[c] + d[c]
-                row = e[c]
-                for j in range(6):
-                    row += jacobian[c, j] * d[j]
-                predicted += e[c] * e[c] - row * row
             if problem.free_spin:
                 trial[5] = 0.0
             if moment_bound(trial) < MAX_RATE:
                 new_work = shoot_middle(trial, ratio, DENSITY, WITH_JACOBIAN, shot)
                 end_error(problem, shot.y, trial[5], trial_e, trial_jacobian, True)
-                new_cost = 0.0
-                for c in range(6):
-                    new_cost += trial_e[c] * trial_e[c]
+                new_cost = squares(trial_e)
                 gain = (cost - new_cost) / max(predicted, 1e-300)
         if gain > 1e-4:
             slowed = cost - new_cost < 1e-3 * cost and new_cost > 1e-4

@@ -92,7 +92,8 @@ def end_error(problem, y, m3, e, jacobian, with_jacobian):
 
 
 @kernel
-def _largest(e):
+def largest(e):
+    """Largest component of an error (6,), inf if it is not a number."""
     worst = 0.0
     for c in range(6):
         worst = larger(worst, abs(e[c]))
@@ -100,11 +101,24 @@ def _largest(e):
 
 
 @kernel
-def _squares(e):
+def squares(e):
+    """Sum of the squares of an error (6,)."""
     total = 0.0
     for c in range(6):
         total += e[c] * e[c]
     return total
+
+
+@kernel
+def predicted_decrease(jacobian, e, d):
+    """By how much the step ``d`` lowers the squares of the error ``e``, if it were linear."""
+    predicted = 0.0
+    for c in range(6):
+        row = e[c]
+        for j in range(6):
+            row += jacobian[c, j] * d[j]
+        predicted += e[c] * e[c] - row * row
+    return predicted
 
 
 @kernel
@@ -177,23 +191,19 @@ def _search(problem, f, most, y, k, z, e, jacobian):
     nu, growth = 1e-3, 2.0
     shoot(f, problem.torsion_ratio, step_count(f, _COARSE), WITH_JACOBIAN, y, k, z)
     end_error(problem, y, f[5], e, jacobian, True)
-    cost, before = _squares(e), math.inf
+    cost, before = squares(e), math.inf
     iteration = 0
     while iteration < most or cost < 0.25 * before:
-        if _largest(e) < _SWITCH:
+        if largest(e) < _SWITCH:
             return CONVERGED, iteration
         iteration += 1
         before = cost
         _scales(f, scale)
         gain = -1.0
         if marquardt_step(jacobian, e, scale, nu, a, d):
-            predicted = 0.0
+            predicted = predicted_decrease(jacobian, e, d)
             for c in range(6):
                 trial[c] = f[c] + d[c]
-                row = e[c]
-                for j in range(6):
-                    row += jacobian[c, j] * d[j]
-                predicted += e[c] * e[c] - row * row
             if problem.free_spin:
                 trial[5] = 0.0
             if moment_bound(trial) < _MAX_RATE:
@@ -202,14 +212,14 @@ def _search(problem, f, most, y, k, z, e, jacobian):
                     trial, problem.torsion_ratio, step_count(trial, _COARSE), WITH_JACOBIAN, y, k, z
                 )
                 end_error(problem, y, trial[5], trial_e, trial_jacobian, True)
-                gain = (cost - _squares(trial_e)) / max(predicted, 1e-300)
+                gain = (cost - squares(trial_e)) / max(predicted, 1e-300)
         if gain > 1e-4:
-            slowed = cost - _squares(trial_e) < 1e-3 * cost and _largest(trial_e) > 100.0 * _SWITCH
+            slowed = cost - squares(trial_e) < 1e-3 * cost and largest(trial_e) > 100.0 * _SWITCH
             for c in range(6):
                 f[c], e[c] = trial[c], trial_e[c]
                 for j in range(6):
                     jacobian[c, j] = trial_jacobian[c, j]
-            cost = _squares(e)
+            cost = squares(e)
             nu *= max(0.1, 1.0 - (2.0 * gain - 1.0) ** 3)
             growth = 2.0
             if slowed and nu > 1e-2:
@@ -238,9 +248,9 @@ def newton(problem, f, most):
         return TOO_STIFF, math.inf, 0, y[:POSE]
     status, iterations = _search(problem, f, most, y, k, z, e, jacobian)
     if status != CONVERGED:
-        return status, _largest(e), iterations, y[:POSE]
+        return status, largest(e), iterations, y[:POSE]
     # the coarse Jacobian serves for all steps that are left: each gains three digits or more
-    worst = _largest(e)
+    worst = largest(e)
     _scales(f, scale)
     for chord in range(_CHORDS):
         # from this near, one step is expected to end it; the mesh that judges it has nodes that the
@@ -257,7 +267,7 @@ def newton(problem, f, most):
         shoot(f, problem.torsion_ratio, steps, POSE, y, k, z)
         end_error(problem, y, f[5], e, jacobian, False)
         iterations += 1
-        previous, worst = worst, _largest(e)
+        previous, worst = worst, largest(e)
         if judged and worst < _SURE * problem.tolerance:
             break
         # the first is seen on another mesh than the search's
@@ -276,7 +286,7 @@ def shot_error(problem, f):
         return math.inf
     shoot(f, problem.torsion_ratio, step_count(f, _CHECK), POSE, y, k, z)
     end_error(problem, y, f[5], e, jacobian, False)
-    return _largest(e)
+    return largest(e)
 
 
 @kernel

@@ -125,6 +125,14 @@ def end_turn(quaternion, q):
 
 
 @kernel
+def spin_between(p, q):
+    """Turn in (−2π, 2π] about the tangent from the frame ``p`` to ``q``, which has the same one."""
+    w = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]
+    z = p[0] * q[3] - p[3] * q[0] - p[1] * q[2] + p[2] * q[1]
+    return 2.0 * math.atan2(z, w)
+
+
+@kernel
 def cross(ax, ay, az, bx, by, bz):
     """Cross product a × b, as three floats."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

@@ -9,7 +9,13 @@ from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.middle import new_shot
 from loopelastica.rod.kernels.records import SEGMENTS, Method, Nodes
 from loopelastica.rod.kernels.refinement import accept_nodes
-from loopelastica.rod.kernels.rotations import cross, matrix_from_quaternion, product, spin
+from loopelastica.rod.kernels.rotations import (
+    cross,
+    matrix_from_quaternion,
+    product,
+    spin,
+    spin_between,
+)
 from loopelastica.rod.kernels.shooting import POSE, march, moment_bound
 
 _MIDDLE = int(Method.MIDDLE)
@@ -68,10 +74,7 @@ def unfold(problem, g, nodes, loads, shot):
     for c in range(3):
         pose[m, c] = problem.position[c]
     if problem.free_spin:
-        p, q = problem.quaternion, pose[m, 3:]
-        w = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]
-        z = p[0] * q[3] - p[3] * q[0] - p[1] * q[2] + p[2] * q[1]
-        loads[5] = 2.0 * math.atan2(z, w)
+        loads[5] = spin_between(problem.quaternion, pose[m, 3:])
 
 
 @kernel

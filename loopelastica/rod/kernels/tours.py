@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica.rod.kernels.arclength import Motion, moving_clamp
 from loopelastica.rod.kernels.jit import kernel
 from loopelastica.rod.kernels.linalg import solve_deficient
 from loopelastica.rod.kernels.middle import (
@@ -28,14 +29,13 @@ from loopelastica.rod.kernels.middle import (
     arrive,
     energy_of,
     find,
-    largest,
     load_scales,
     new_shot,
     shoot_middle,
 )
-from loopelastica.rod.kernels.newton import end_error
+from loopelastica.rod.kernels.newton import end_error, largest
 from loopelastica.rod.kernels.records import Problem
-from loopelastica.rod.kernels.rotations import exponential, product
+from loopelastica.rod.kernels.rotations import spin_between
 from loopelastica.rod.kernels.shooting import POSE, WITH_JACOBIAN, moment_bound
 
 _DROP = 1e-9
@@ -67,32 +67,23 @@ class Tour(NamedTuple):
 
 
 @kernel
-def _clamp_at(problem, tour, t, path):
-    """The clamp at ``t`` into the position and the quaternion of ``path``."""
-    axis, r, q = tour.axis, problem.quaternion, path.quaternion
-    w, x, y, z = exponential(t * axis[0], t * axis[1], t * axis[2])
-    q[0], q[1], q[2], q[3] = product(r[0], r[1], r[2], r[3], w, x, y, z)
-    for c in range(3):
-        path.position[c] = problem.position[c] + t * tour.shift[c]
-
-
-@kernel
 def _shifted(tour):
     """Whether the end is shifted, not turned."""
     return tour.shift[0] != 0.0 or tour.shift[1] != 0.0 or tour.shift[2] != 0.0
 
 
 @kernel
-def _evaluate(problem, path, tour, u, shot, e, jacobian, by_t):
-    """Error and derivatives at ``u`` (7,); returns the work."""
+def _evaluate(motion, path, u, shot, e, jacobian, by_t):
+    """Error and derivatives at ``u`` (7,); returns the work. ``path`` is the problem there."""
+    q, p = path.quaternion, path.position
     work = shoot_middle(u, path.torsion_ratio, DENSITY, WITH_JACOBIAN, shot)
-    _clamp_at(problem, tour, u[6] + _H, path)
+    moving_clamp(motion, u[6] + _H, q, p)
     end_error(path, shot.y, u[5], by_t, jacobian, False)
-    _clamp_at(problem, tour, u[6] - _H, path)
+    moving_clamp(motion, u[6] - _H, q, p)
     end_error(path, shot.y, u[5], e, jacobian, False)
     for c in range(6):
         by_t[c] = (by_t[c] - e[c]) / (2.0 * _H)
-    _clamp_at(problem, tour, u[6], path)
+    moving_clamp(motion, u[6], q, p)
     end_error(path, shot.y, u[5], e, jacobian, True)
     return work
 
@@ -111,10 +102,7 @@ def _event(problem, tour, u):
 def _own_spin(problem, g, shot):
     """Turn of a rod's end (K30 = 1) against the clamp about their common tangent."""
     shoot_middle(g, 1.0, DENSITY, POSE, shot)
-    p, q = problem.quaternion, shot.y[3:7]
-    w = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3]
-    z = p[0] * q[3] - p[3] * q[0] - p[1] * q[2] + p[2] * q[1]
-    return 2.0 * math.atan2(z, w)
+    return spin_between(problem.quaternion, shot.y[3:7])
 
 
 @kernel
@@ -154,6 +142,7 @@ def follow(problem, tour, start, sign, met, counts):
     ratio = 1.0 if tour.about_tangent else problem.torsion_ratio
     free = problem.free_spin and not tour.about_tangent
     path = Problem(np.empty(3), np.empty(4), problem.shortening, ratio, free, problem.tolerance)
+    motion = Motion(problem.position, problem.quaternion, tour.shift, tour.axis, ratio, free)
     for c in range(6):
         u[c] = start[c]
     u[6], excess = 0.0, 0.0
@@ -180,7 +169,7 @@ def follow(problem, tour, start, sign, met, counts):
             trial[c] = u[c] + ds * n[c] * scale[c]
         good, iterations, previous, work = False, 0, math.inf, 0.0
         while iterations < _CORRECTIONS and moment_bound(trial) < MAX_RATE:
-            work = _evaluate(problem, path, tour, trial, shot, e, jacobian, by_t)
+            work = _evaluate(motion, path, trial, shot, e, jacobian, by_t)
             iterations += 1
             counts[0] += 1
             worst = largest(e)
