@@ -1,12 +1,13 @@
-"""One PDB file in OpenMM: are its atoms accepted, how strong is the first force, what moves?
+"""One PDB file in OpenMM: whether it is accepted, its first force, and what minimization moves.
 
 OpenMM is no dependency of the package; the extra `md` brings it.
 """
 
 from __future__ import annotations
 
+import importlib
 import itertools
-from collections.abc import Callable, Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -19,18 +20,18 @@ from loopelastica.atoms.measures import rigid_fit
 from loopelastica.errors import MissingDependencyError
 from loopelastica.studies.hands import wrong_hands
 
-KCAL_PER_MOL_A: Final = 1.0 / 41.84
+_KCAL: Final = 1.0 / 4.184
+_KCAL_A: Final = 1.0 / 41.84
 """What one kJ/mol/nm is in kcal/mol/Å."""
-KCAL: Final = 1.0 / 4.184
-CHAIN_A: Final = 0.1
-"""A bond O3'–P that is off 1.607 Å by more, after minimization, is a broken chain."""
 _O3_P_A: Final = 1.607
-_MAX_ITERATIONS: Final = 20_000
+_BROKEN_A: Final = 0.2
+"""A bond O3'–P that is off by more is a broken chain; minimized ones are off by 0.02 Å."""
+_MOST_ITERATIONS: Final = 20_000
 
 
 @dataclass(frozen=True, slots=True)
 class ForceField:
-    """A force field of OpenMM.
+    """A force field of OpenMM, and what is asked of it.
 
     Attributes
     ----------
@@ -38,34 +39,31 @@ class ForceField:
         As the tables call it.
     files : tuple of str
         That OpenMM reads.
-    dna, rna : bool
-        What it is asked for.
+    kinds : tuple of str
+        "RNA" and "DNA", what it is asked for.
+    minimized : bool
+        Whether models are minimized in it; else the first force is all.
     """
 
     name: str
     files: tuple[str, ...]
-    dna: bool = True
-    rna: bool = True
+    kinds: tuple[str, ...] = ("RNA", "DNA")
+    minimized: bool = False
 
 
 _AMBER: Final = ("amber14/RNA.OL3.xml", "amber14/DNA.OL15.xml")
 FORCE_FIELDS: Final = (
-    ForceField("amber", (*_AMBER, "implicit/gbn2.xml")),
-    ForceField("amber_vacuum", _AMBER),
-    ForceField("charmm36", ("charmm36_2024.xml",), dna=False),
+    ForceField("Amber OL3/OL15, GBn2", (*_AMBER, "implicit/gbn2.xml"), minimized=True),
+    ForceField("Amber OL3/OL15, vacuum", _AMBER),
+    # charmm36.xml of OpenMM has no templates for chains of RNA, nor for their ends
+    ForceField("CHARMM36 (2024), vacuum", ("charmm36_2024.xml",), ("RNA",)),
 )
-"""Amber OL3 and OL15 in GBn2, the same in vacuum, CHARMM36 in vacuum; no cutoff, no constraints."""
 
 
 def accepted(
-    path: Path,
-    field: ForceField,
-    loop: Collection[tuple[str, str]],
-    *,
-    hydrogens: bool = False,
-    minimize: bool = True,
+    path: Path, field: ForceField, loop: Collection[tuple[str, str]], *, hydrogens: bool = False
 ) -> dict[str, Any]:
-    """Hand a file to a force field and minimize what it holds.
+    """Hand a file to a force field, without cutoff or constraints, and minimize what it holds.
 
     Parameters
     ----------
@@ -76,149 +74,144 @@ def accepted(
         Chain and number of the loop's nucleotides.
     hydrogens : bool
         Let OpenMM's Modeller add them; else the file is taken as it is.
-    minimize : bool
-        Whether to minimize too.
 
     Returns
     -------
     dict
-        ``refused`` (why, or None), and where it is accepted: atoms, largest first force over heavy
-        and over all atoms (kcal/mol/Å) and where, energies (kcal/mol), shifts of heavy atoms by the
-        minimization (root mean square, Å): of all as they are, of all and of the loop after
-        superposition on the stem; whether hands and chain are kept.
+        ``refused`` says why, or is None; then there are ``atoms``, ``force`` and ``force_heavy``,
+        the largest first force over all and over heavy atoms (kcal/mol/Å), and where;
+        ``energy_before`` (kcal/mol). Where it is minimized there are ``energy_after`` and root mean
+        square shifts of heavy atoms (Å): ``shift_A`` of all, ``shift_loop_A`` of the loop's,
+        ``shift_on_stem_A`` and ``shift_loop_on_stem_A`` the same after superposition on the stem;
+        ``wrong_hands`` and ``chain_kept`` afterwards.
 
     Raises
     ------
     MissingDependencyError
         If OpenMM is not installed.
     """
-    app, openmm = _openmm()
-    refusal = _Refusal(field.name)
-    read = refusal.of(lambda: app.PDBFile(str(path)))
-    if read is None:
-        return refusal.row
+    openmm, app = modules()
     forces = app.ForceField(*field.files)
-    topology, positions = read.topology, read.getPositions(frame=0)
-    if hydrogens:
-        modeller = app.Modeller(topology, positions)
-        if refusal.of(lambda: modeller.addHydrogens(forces) or True) is None:
-            return refusal.row
-        topology, positions = modeller.topology, modeller.positions
-    system = refusal.of(lambda: forces.createSystem(topology, nonbondedMethod=app.NoCutoff))
-    if system is None:
-        unmatched = forces.getUnmatchedResidues(topology)
-        return {**refusal.row, "unmatched": " ".join(_label(r) for r in unmatched)}
+    try:
+        read = app.PDBFile(str(path))
+        model = app.Modeller(read.topology, read.getPositions(frame=0))
+        if hydrogens:
+            model.addHydrogens(forces)
+        system = forces.createSystem(model.topology, nonbondedMethod=app.NoCutoff)
+    except Exception as error:  # OpenMM raises whatever its readers meet
+        return {"refused": _sentence(error)}
     context = openmm.Context(system, openmm.VerletIntegrator(0.001), *platform())
-    context.setPositions(positions)
-    atoms = list(topology.atoms())
-    heavy = np.array([a.element is not None and a.element.symbol != "H" for a in atoms])
+    context.setPositions(model.positions)
+    atoms = list(model.topology.atoms())
+    heavy = np.array([atom.element is not None and atom.element.symbol != "H" for atom in atoms])
     before, energy, force = _state(context)
-    size = np.linalg.norm(force, axis=1)
-    most, most_heavy = int(size.argmax()), int(np.where(heavy, size, -1.0).argmax())
+    most, most_heavy = int(force.argmax()), int(np.where(heavy, force, -1.0).argmax())
     row: dict[str, Any] = {
         "refused": None,
         "atoms": len(atoms),
-        "force": float(size[most]),
-        "force_at": _atom(atoms[most]),
-        "force_heavy": float(size[most_heavy]),
-        "force_heavy_at": _atom(atoms[most_heavy]),
+        "force": float(force[most]),
+        "force_at": _label(atoms[most]),
+        "force_heavy": float(force[most_heavy]),
+        "force_heavy_at": _label(atoms[most_heavy]),
         "energy_before": energy,
     }
-    if minimize:
-        openmm.LocalEnergyMinimizer.minimize(context, maxIterations=_MAX_ITERATIONS)
-        after, energy, _ = _state(context)
-        own = np.array([(a.residue.chain.id, _number(a.residue)) in loop for a in atoms])
-        row |= {"energy_after": energy, **_shifts(before, after, heavy, own)}
-        residues = [
-            {a.name: after[a.index] for a in residue.atoms()} for residue in topology.residues()
-        ]
-        first = [
-            {a.name: before[a.index] for a in residue.atoms()} for residue in topology.residues()
-        ]
-        chain = _linked(first)
-        row["hands_kept"] = sum(map(wrong_hands, residues)) == 0
-        row["chain_kept"] = all(_o3_p(residues, k) <= CHAIN_A for k in chain)
-    return row
+    if not field.minimized:
+        return row
+    openmm.LocalEnergyMinimizer.minimize(context, maxIterations=_MOST_ITERATIONS)
+    after, energy, _ = _state(context)
+    own = np.array([_place(atom.residue) in loop for atom in atoms])
+    return {
+        **row,
+        "energy_after": energy,
+        **_shifts(before, after, heavy & ~own, heavy & own),
+        "wrong_hands": sum(map(wrong_hands, _residues(model.topology, after))),
+        "chain_kept": bool(
+            set(_breaks(model.topology, after)) <= set(_breaks(model.topology, before))
+        ),
+    }
 
 
-def platform() -> tuple[Any, dict[str, str]]:
-    """The platform and its settings on which every figure is computed: one thread, reproducible."""
-    _, openmm = _openmm()
-    return openmm.Platform.getPlatformByName("CPU"), {"Threads": "1", "DeterministicForces": "true"}
+def modules() -> tuple[Any, Any]:
+    """``openmm`` and ``openmm.app``.
 
-
-class _Refusal:
-    """The first thing that OpenMM says no to, as a row."""
-
-    def __init__(self, name: str):
-        self.name, self.row = name, dict[str, Any]()
-
-    def of(self, call: Callable[[], Any]) -> Any:
-        try:
-            return call()
-        except Exception as error:
-            self.row = {"refused": " ".join(str(error).split())[:200]}
-            return None
-
-
-def _openmm() -> tuple[Any, Any]:
+    Raises
+    ------
+    MissingDependencyError
+        If OpenMM is not installed.
+    """
     try:
-        import openmm
-        from openmm import app
+        return importlib.import_module("openmm"), importlib.import_module("openmm.app")
     except ImportError:
         raise MissingDependencyError(
             "a simulation needs OpenMM; install it with `pip install 'loopelastica[md]'`"
         ) from None
-    return app, openmm
+
+
+def platform() -> tuple[Any, Mapping[str, str]]:
+    """Where all is computed: processors, one thread, forces summed in one order."""
+    openmm, _ = modules()
+    settings = {"Threads": "1", "DeterministicForces": "true"}
+    return openmm.Platform.getPlatformByName("CPU"), settings
 
 
 def _state(context: Any) -> tuple[Array, float, Array]:
-    """Positions (Å), energy (kcal/mol) and forces (kcal/mol/Å)."""
-    state = context.getState(getPositions=True, getEnergy=True, getForces=True)
+    """Positions (Å), energy (kcal/mol) and sizes of the forces (kcal/mol/Å)."""
+    state = context.getState(positions=True, energy=True, forces=True)
+    forces = np.array(state.getForces(asNumpy=True)._value)
     return (
         10.0 * np.array(state.getPositions(asNumpy=True)._value),
-        float(state.getPotentialEnergy()._value) * KCAL,
-        np.array(state.getForces(asNumpy=True)._value) * KCAL_PER_MOL_A,
+        float(state.getPotentialEnergy()._value) * _KCAL,
+        np.linalg.norm(forces, axis=1) * _KCAL_A,
     )
 
 
 def _shifts(
-    before: Array, after: Array, heavy: NDArray[np.bool_], loop: NDArray[np.bool_]
+    before: Array, after: Array, stem: NDArray[np.bool_], loop: NDArray[np.bool_]
 ) -> dict[str, float]:
-    stem = heavy & ~loop
     rotation, shift = rigid_fit(after[stem], before[stem])
     laid = after @ rotation.T + shift
+
+    def rms(away: Array) -> float:
+        return float(np.sqrt((away**2).sum(axis=1).mean()))
+
     return {
-        "shift_A": _rms(after - before, heavy),
-        "shift_fitted_A": _rms(laid - before, heavy),
-        "shift_loop_A": _rms(laid - before, heavy & loop),
-        "shift_loop_unfitted_A": _rms(after - before, heavy & loop),
+        "shift_A": rms((after - before)[stem | loop]),
+        "shift_loop_A": rms((after - before)[loop]),
+        "shift_on_stem_A": rms((laid - before)[stem | loop]),
+        "shift_loop_on_stem_A": rms((laid - before)[loop]),
     }
 
 
-def _rms(away: Array, rows: NDArray[np.bool_]) -> float:
-    return float(np.sqrt((away[rows] ** 2).sum(axis=1).mean()))
+def _residues(topology: Any, positions: Array) -> list[dict[str, Array]]:
+    return [
+        {atom.name: positions[atom.index] for atom in residue.atoms()}
+        for residue in topology.residues()
+    ]
 
 
-def _linked(residues: list[dict[str, Array]]) -> list[int]:
-    """Residues whose O3' is bonded to the P of the next one."""
-    return [k for k in range(len(residues) - 1) if _o3_p(residues, k) < 1.0]
+def _breaks(topology: Any, positions: Array) -> list[int]:
+    """First residue of each pair in one chain whose O3' and P are no bond apart."""
+    chains = [residue.chain.index for residue in topology.residues()]
+    residues = _residues(topology, positions)
+    return [
+        k
+        for k, (one, other) in enumerate(itertools.pairwise(residues))
+        if chains[k] == chains[k + 1]
+        and "O3'" in one
+        and "P" in other
+        and abs(np.linalg.norm(one["O3'"] - other["P"]) - _O3_P_A) > _BROKEN_A
+    ]
 
 
-def _o3_p(residues: list[dict[str, Array]], k: int) -> float:
-    one, other = residues[k].get("O3'"), residues[k + 1].get("P")
-    if one is None or other is None:
-        return float("inf")
-    return abs(float(np.linalg.norm(one - other)) - _O3_P_A)
+def _sentence(error: Exception) -> str:
+    """What OpenMM says, without where to read more."""
+    return " ".join(str(error).split()).split(" For more information")[0][:300]
 
 
-def _number(residue: Any) -> str:
-    return f"{residue.id}{residue.insertionCode}".strip()
+def _place(residue: Any) -> tuple[str, str]:
+    return residue.chain.id.strip(), f"{residue.id}{residue.insertionCode}".strip()
 
 
-def _label(residue: Any) -> str:
-    return f"{residue.chain.id}.{residue.name}{_number(residue)}"
-
-
-def _atom(atom: Any) -> str:
-    return f"{_label(atom.residue)} {atom.name}"
+def _label(atom: Any) -> str:
+    chain, number = _place(atom.residue)
+    return f"{chain}.{atom.residue.name}{number} {atom.name}"
