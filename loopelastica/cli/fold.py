@@ -228,7 +228,7 @@ def _fold_file(
     file: str, options: "FoldOptions", folders: "Folders", results: _Results, output: _Output
 ) -> None:
     from loopelastica.batch.folds import loop_rows
-    from loopelastica.cli.build import atoms_of
+    from loopelastica.cli.atoms import atoms_of
     from loopelastica.errors import LoopelasticaError, StructureError
     from loopelastica.folding.fold import fold_hairpins
     from loopelastica.molecule.hairpins import find_hairpins
