@@ -143,12 +143,12 @@ def write_fold(
         if atoms is not None:
             from loopelastica.report.atoms import write_atoms
 
-            write_atoms(part, atoms)
+            write_atoms(part, atoms, source)
         if plot:
             sticks = None if atoms is None else atoms.sticks(1)
             plot_fold(fold, part / "plot.png", title=printable(path.name), sticks=sticks)
         content = ranking(source, fold, structure.remarks)
-        built = None if atoms is None else {"contact": atoms.contact}
+        built = None if atoms is None else atoms.options()
         content["written"] = {
             "path": seen, "plot": plot, "whole": whole is not None, "atoms": built
         }  # fmt: skip

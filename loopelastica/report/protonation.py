@@ -1,0 +1,151 @@
+"""Hydrogens and 5' phosphates of the nucleotides in the files.
+
+A nucleotide of the input that has all hydrogens, under today's names, keeps them where they are;
+any other, and the built loop, gets them anew. Those near the loop are placed for each model, the
+others once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from loopelastica._arrays import Array
+from loopelastica.atoms.hydrogens import Hydrogens, add_hydrogens
+from loopelastica.molecule.nucleotides import enumerated
+from loopelastica.molecule.polymer import Monomer
+from loopelastica.report.assembly import HYDROGEN, Assembly, Atom, Residue
+
+if TYPE_CHECKING:
+    from loopelastica.atoms.model import AtomModel
+    from loopelastica.report.atoms import LoopAtoms
+
+PHOSPHATE_5: Final = ("P", "OP1", "OP2", "OP3", "HOP2", "HOP3", "HP", "H5T")
+_NEAR_A: Final = 8.0
+"""Hydrogens of nucleotides this near to the loop are placed for each model."""
+
+
+def position(atom: Atom, atoms: LoopAtoms, model: AtomModel) -> Array:
+    """Where an atom of the file or of the loop is in a model, Å, single precision."""
+    if atom.in_loop is not None:
+        return np.asarray(model.positions_A[atom.in_loop])
+    return np.asarray(atoms.positions[atom.in_file])
+
+
+def with_5_phosphates(assembly: Assembly, atoms: LoopAtoms) -> None:
+    """Name the phosphates at 5' ends, which force fields refuse, or take them off.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        It is changed.
+    atoms : LoopAtoms
+    """
+    found = [
+        residue
+        for row, residue in assembly.nucleotides.items()
+        if not assembly.bonded[row, 0] and any(atom.name == "P" for atom in residue.atoms)
+    ]
+    if not found:
+        return
+    named = enumerated([residue.label for residue in found])
+    if not atoms.no_5_phosphate:
+        assembly.remarks.append(
+            f"5' phosphate at {named}: force fields have no template for it; --no-5-phosphate takes"
+            " it off"
+        )
+        return
+    for residue in found:
+        residue.atoms = [atom for atom in residue.atoms if atom.name not in PHOSPHATE_5]
+    assembly.remarks.append(f"the 5' phosphate was taken off at {named}")
+
+
+def protonate(assembly: Assembly, atoms: LoopAtoms) -> None:
+    """Give every nucleotide its hydrogens.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        It is changed.
+    atoms : LoopAtoms
+        With at least one sound model.
+    """
+    first = atoms.written[0]
+    nucleotides = assembly.nucleotides
+    rows = list(nucleotides)
+    others_A = _others(assembly, atoms)
+    loop_A = np.concatenate([m.positions_A[m.molecule.loop_atoms] for m in atoms.written])
+    near, far = [], []
+    for row in rows:
+        residue = nucleotides[row]
+        is_near = residue.built is not None or _is_near(residue, atoms, loop_A)
+        (near if is_near else far).append(row)
+
+    def added(which: Sequence[int], model: AtomModel) -> Hydrogens:
+        monomers = [_monomer(nucleotides[row], atoms, model) for row in which]
+        bonded = [(bool(five), bool(three)) for five, three in assembly.bonded[which]]
+        rest = [_heavy_A(nucleotides[row], atoms, model) for row in set(rows).difference(which)]
+        return add_hydrogens(monomers, bonded, np.concatenate([others_A, *rest]))
+
+    fixed = added(far, first)
+    of_models = [added(near, model) for model in atoms.written]
+    kept: list[int] = []
+    replaced: list[str] = []
+    for which, hydrogens in ((far, fixed), (near, of_models[0])):
+        for row, new in zip(which, hydrogens, strict=True):
+            residue = nucleotides[row]
+            if residue.hydrogens and (residue.hydrogens >= set(new)):
+                kept.append(row)
+                continue
+            if residue.hydrogens:
+                replaced.append(residue.label)
+            residue.atoms = [atom for atom in residue.atoms if atom.element not in HYDROGEN]
+            residue.atoms += [Atom(name, "H") for name in new]
+    own = set(kept)
+    assembly.hydrogens_A = [
+        {
+            (row, name): at
+            for which, hydrogens in ((far, fixed), (near, of_model))
+            for row, new in zip(which, hydrogens, strict=True)
+            if row not in own
+            for name, at in new.items()
+        }
+        for of_model in of_models
+    ]
+    assembly.remarks += [*fixed.remarks, *of_models[0].remarks]
+    if replaced:
+        assembly.remarks.append(
+            f"the file's own hydrogens were not complete, or had other names, at"
+            f" {enumerated(replaced)}; they are placed anew"
+        )
+
+
+def _heavy_A(residue: Residue, atoms: LoopAtoms, model: AtomModel) -> Array:
+    places = [position(a, atoms, model) for a in residue.atoms if a.element not in HYDROGEN]
+    return np.array(places).reshape(-1, 3)
+
+
+def _monomer(residue: Residue, atoms: LoopAtoms, model: AtomModel) -> Monomer:
+    heavy = [atom for atom in residue.atoms if atom.element not in HYDROGEN]
+    return residue.monomer({atom.name: position(atom, atoms, model) for atom in heavy})
+
+
+def _others(assembly: Assembly, atoms: LoopAtoms) -> Array:
+    """Heavy atoms of all that is no nucleotide, Å."""
+    rows: list[int] = [
+        atom.in_file
+        for residue, atom in assembly.atoms()
+        if residue.nucleotide is None and atom.element not in HYDROGEN
+        if atom.in_file is not None
+    ]
+    return atoms.positions[np.array(rows, dtype=np.int64)]
+
+
+def _is_near(residue: Residue, atoms: LoopAtoms, loop_A: Array) -> bool:
+    rows: NDArray[np.int64] = np.array([a.in_file for a in residue.atoms], dtype=np.int64)
+    places = atoms.positions[rows]
+    low, high = loop_A.min(axis=0) - _NEAR_A, loop_A.max(axis=0) + _NEAR_A
+    return bool(((places > low) & (places < high)).all(axis=1).any())
