@@ -2,14 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+import gemmi
+import numpy as np
+
 from loopelastica._arrays import Array
+from loopelastica._files import write_text
 from loopelastica._names import safe_name
+from loopelastica.atoms.conventions import conventional
+from loopelastica.atoms.hydrogens import add_hydrogens
+from loopelastica.atoms.model import build_atoms
+from loopelastica.atoms.sequence import fold_sequence
+from loopelastica.atoms.terminals import chain_bonds, phosphates_at_5, without_phosphate
 from loopelastica.errors import LoopelasticaError
+from loopelastica.folding.fold import fold
+from loopelastica.folding.result import LoopFold
+from loopelastica.molecule.chains import chains_of
+from loopelastica.molecule.components import METHYLATED, is_standard
+from loopelastica.molecule.entry import read_entry
+from loopelastica.molecule.nucleotides import Structure, read_structure
+from loopelastica.molecule.polymer import Monomer
+from loopelastica.report.atoms import LoopAtoms, write_pdb
 
 BUILT: Final = {
     "RNA": (
@@ -60,8 +77,8 @@ class Case:
         Chain and number of the loop's nucleotides in the file.
     path : Path or None
     failure : str or None
-    hydrogens : bool
-        Whether OpenMM's Modeller has to add them.
+    bare : Path or None
+        The same without phosphates at 5' ends, where there are any.
     """
 
     source: str
@@ -71,7 +88,7 @@ class Case:
     loop: frozenset[tuple[str, str]] = frozenset()
     path: Path | None = None
     failure: str | None = None
-    hydrogens: bool = True
+    bare: Path | None = None
 
     def row(self) -> dict[str, Any]:
         """The columns that say what it is."""
@@ -82,6 +99,10 @@ class Case:
             "sequence": self.sequence,
             "failure": self.failure,
         }
+
+    def place(self, folder: Path, more: str = "") -> Path:
+        """A path for its file."""
+        return folder / f"{safe_name(f'{self.source} {self.name}{more}')}.pdb"
 
 
 def built_cases(folder: Path, sequences: Mapping[str, tuple[str, ...]]) -> Iterator[Case]:
@@ -98,12 +119,11 @@ def built_cases(folder: Path, sequences: Mapping[str, tuple[str, ...]]) -> Itera
     ------
     Case
     """
-    from loopelastica.atoms.sequence import fold_sequence
-
     for kind, texts in sequences.items():
         for text in texts:
             structure, loop, positions = fold_sequence(text, kind == "DNA", max_candidates=TRIED)
-            yield _modelled(folder, "built", text, structure, loop, positions)
+            case = _case("built", text, loop)
+            yield _or_why(case, _modelled, folder, structure, loop, positions)
 
 
 def file_cases(folder: Path, file: Path) -> Iterator[Case]:
@@ -121,9 +141,6 @@ def file_cases(folder: Path, file: Path) -> Iterator[Case]:
     Case
         Two for each loop without pairs to nucleotides outside; one where the file is refused.
     """
-    from loopelastica.folding.fold import fold
-    from loopelastica.molecule.nucleotides import read_structure
-
     try:
         structure = read_structure(file)
         if len(structure.universe.atoms) > MOST_ATOMS:
@@ -135,76 +152,98 @@ def file_cases(folder: Path, file: Path) -> Iterator[Case]:
         return
     for loop in loops:
         if not loop.hairpin.contacts:
+            positions = structure.positions(0)
             name = f"{file.name} {loop.hairpin.name}"
-            yield _modelled(folder, "folded", name, structure, loop, structure.positions(0))
-            yield _native(folder, name, file, loop)
+            yield _or_why(
+                _case("folded", name, loop), _modelled, folder, structure, loop, positions
+            )
+            yield _or_why(_case("native", name, loop), _native, folder, file)
+
+
+def _or_why(case: Case, made: Callable[..., Case], *given: Any) -> Case:
+    """The case with its files, or with the reason why there are none."""
+    try:
+        return made(case, *given)
+    except LoopelasticaError as error:
+        return replace(case, failure=str(error))
 
 
 def _modelled(
-    folder: Path, source: str, name: str, structure: Any, loop: Any, positions: Array
+    case: Case, folder: Path, structure: Structure, loop: LoopFold, positions: Array
 ) -> Case:
-    from loopelastica.atoms.model import build_atoms
-    from loopelastica.report.atoms import LoopAtoms, write_pdb
-
-    case = _case(source, name, loop)
+    """The first sound candidate, as the command line writes it."""
     if loop.failure is not None:
         return replace(case, failure=loop.failure)
     for candidate in loop.candidates:
         alone = replace(loop, candidates=(candidate,))
-        try:
-            (model,) = build_atoms(structure, alone, positions=positions)
-        except LoopelasticaError as error:
-            return replace(case, failure=str(error))
+        (model,) = build_atoms(structure, alone, positions=positions)
         if model.checks.sound:
-            path = folder / f"{safe_name(f'{source} {name}')}.pdb"
-            write_pdb(path, LoopAtoms(structure, alone, (model,), positions))
+            atoms = LoopAtoms(structure, alone, (model,), positions, hydrogens=True)
+            write_pdb(path := case.place(folder), atoms)
+            if phosphates_at_5(found := nucleotides(path), chain_bonds(found)):
+                bare = case.place(folder, " without 5' phosphate")
+                write_pdb(bare, replace(atoms, no_5_phosphate=True))
+                return replace(case, path=path, bare=bare)
             return replace(case, path=path)
     return replace(case, failure=f"none of {len(loop.candidates)} candidates is sound")
 
 
-def _native(folder: Path, name: str, file: Path, loop: Any) -> Case:
-    case = _case("native", name, loop)
-    try:
-        path = folder / f"{safe_name(f'native {name}')}.pdb"
-        write_native(file, path)
-    except LoopelasticaError as error:
-        return replace(case, failure=str(error))
+def _native(case: Case, folder: Path, file: Path) -> Case:
+    """The nucleotides of the first model with hydrogens of ours; all else is left out."""
+    found = nucleotides(file)
+    write_nucleotides(path := case.place(folder), found)
+    if phosphates := phosphates_at_5(found, chain_bonds(found)):
+        bare = case.place(folder, " without 5' phosphate")
+        write_nucleotides(
+            bare, [without_phosphate(m) if k in phosphates else m for k, m in enumerate(found)]
+        )
+        return replace(case, path=path, bare=bare)
     return replace(case, path=path)
 
 
-def write_native(file: Path, path: Path) -> None:
-    """The nucleotides of a file's first model, heavy atoms by today's names, as a PDB file.
+def nucleotides(file: Path) -> list[Monomer]:
+    """The nucleotides of a file's first model that are there, with their heavy atoms.
 
     Parameters
     ----------
     file : Path
         A structure.
-    path : Path
-        What is written. Proteins, ligands, ions and waters are left out.
+
+    Returns
+    -------
+    list of Monomer
     """
-    import gemmi
+    chains = chains_of(read_entry(file))
+    return [monomer for chain in chains for monomer in chain.slots if monomer.atoms_A]
 
-    from loopelastica._files import write_text
-    from loopelastica.molecule.chains import chains_of
-    from loopelastica.molecule.components import METHYLATED, is_standard
-    from loopelastica.molecule.entry import read_entry
 
+def write_nucleotides(path: Path, monomers: Sequence[Monomer]) -> None:
+    """Write nucleotides with all their hydrogens, and nothing else, as a PDB file.
+
+    Parameters
+    ----------
+    path : Path
+        What is written.
+    monomers : sequence of Monomer
+        With heavy atoms.
+    """
+    hydrogens = add_hydrogens(monomers, chain_bonds(monomers), np.zeros((0, 3)))
+    chains: dict[str, gemmi.Chain] = {}
+    for monomer, own in zip(monomers, hydrogens, strict=True):
+        residue = gemmi.Residue()
+        standard = is_standard(monomer.resname) and monomer.resname not in METHYLATED
+        name = conventional(monomer.letter, monomer.is_dna, (), False, False)[0]
+        residue.name = name if standard else monomer.resname
+        residue.seqid = gemmi.SeqId(monomer.number, monomer.icode or " ")
+        for name, at in {**monomer.atoms_A, **own}.items():
+            atom = gemmi.Atom()
+            atom.name, atom.element = name, gemmi.Element(name[0])
+            atom.pos = gemmi.Position(*at)
+            residue.add_atom(atom)
+        chains.setdefault(monomer.chain, gemmi.Chain(monomer.chain or "A")).add_residue(residue)
     model = gemmi.Model(1)
-    for chain in chains_of(read_entry(file)):
-        own = gemmi.Chain(chain.name or "A")
-        for monomer in chain.slots:
-            residue = gemmi.Residue()
-            residue.name = monomer.resname
-            if is_standard(monomer.resname) and monomer.resname not in METHYLATED:
-                residue.name = ("D" if monomer.is_dna else "") + monomer.letter
-            residue.seqid = gemmi.SeqId(monomer.number, monomer.icode or " ")
-            for name, at in monomer.atoms_A.items():
-                atom = gemmi.Atom()
-                atom.name, atom.element = name, gemmi.Element(name[0])
-                atom.pos = gemmi.Position(*at)
-                residue.add_atom(atom)
-            own.add_residue(residue)
-        model.add_chain(own)
+    for chain in chains.values():
+        model.add_chain(chain)
     structure = gemmi.Structure()
     structure.add_model(model)
     structure.setup_entities()

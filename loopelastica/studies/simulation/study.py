@@ -6,7 +6,6 @@ simulation can start from it.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, TypeVar
@@ -22,6 +21,7 @@ from loopelastica.studies.simulation.cases import BUILT, Case, built_cases, file
 
 _T = TypeVar("_T")
 _FEW: Final = 3
+_BARE: Final = "--no-5-phosphate"
 _FIGURES: Final = {
     "force": "first force",
     "force_heavy": "heavy atoms",
@@ -33,7 +33,8 @@ _COLUMNS: Final = {
     "kind": ("kind", "s"),
     "force_field": ("force field", "s"),
     "models": ("files", "d"),
-    "accepted": ("accepted", "d"),
+    "accepted": ("accepted as they are", "d"),
+    "accepted_bare": ("without 5' phosphate", "d"),
     **{name: (heading, "s") for name, heading in _FIGURES.items()},
     "sound": ("hands and chain kept", "s"),
 }
@@ -103,31 +104,35 @@ def _spread(items: Sequence[_T]) -> list[_T]:
 
 
 def _rows(case: Case) -> Iterator[dict[str, Any]]:
+    """A row per force field; a second one without 5' phosphates, where those are refused."""
     if case.path is None:
         yield case.row()
         return
     for field in FORCE_FIELDS:
-        if case.kind in field.kinds:
-            figures = accepted(case.path, field, case.loop, hydrogens=case.hydrogens)
-            yield {**case.row(), "force_field": field.name, **figures}
+        if case.kind not in field.kinds:
+            continue
+        row = {**case.row(), "force_field": field.name, "option": ""}
+        figures = accepted(case.path, field, case.loop)
+        yield row | figures
+        if figures["refused"] and case.bare is not None:
+            yield row | {"option": _BARE} | accepted(case.bare, field, case.loop)
 
 
 def _groups(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Medians, quartiles and extremes of each source, kind and force field."""
     simulated = [row for row in rows if row["failure"] is None]
     keys = ("source", "kind", "force_field")
+    groups = sorted({tuple(row[key] for key in keys) for row in simulated})
     out = []
-    for key, group in itertools.groupby(
-        sorted(simulated, key=lambda row: tuple(row[k] for k in keys)),
-        key=lambda row: tuple(row[k] for k in keys),
-    ):
-        own = list(group)
+    for group in groups:
+        own = [row for row in simulated if tuple(row[key] for key in keys) == group]
         good = [row for row in own if row["refused"] is None]
         out.append(
             {
-                **dict(zip(keys, key, strict=True)),
-                "models": len(own),
-                "accepted": len(good),
+                **dict(zip(keys, group, strict=True)),
+                "models": sum(row["option"] == "" for row in own),
+                "accepted": sum(row["option"] == "" for row in good),
+                "accepted_bare": sum(row["option"] == _BARE for row in good),
                 **{
                     name: _quartiles([row[name] for row in good if name in row])
                     for name in _FIGURES
@@ -162,4 +167,6 @@ def _shown(group: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _refusal(row: Mapping[str, Any]) -> str:
-    return f"{row['source']} {row['name']} by {row['force_field']}: {row['refused']}"
+    return (
+        f"{row['source']} {row['name']} {row['option']} by {row['force_field']}: {row['refused']}"
+    )
