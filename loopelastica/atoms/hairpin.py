@@ -1,25 +1,18 @@
-"""A hairpin from its sequence alone: ideal stem, folded loop, atoms of both.
-
-sequence → nucleotides, pairs → stem → folded loop → atoms
-"""
+"""A hairpin from its sequence alone: the ideal stem with its loop folded."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import flag, whole
 from loopelastica.atoms.chemistry import Residue, atom_names
 from loopelastica.atoms.duplex import duplex, screwed
 from loopelastica.atoms.fibre import fibre_nucleotide
-from loopelastica.atoms.model import AtomModel, build_atoms
-from loopelastica.atoms.sequence import HairpinSequence, read_sequence
-from loopelastica.atoms.turn import check_contact
+from loopelastica.atoms.sequence import HairpinSequence
 from loopelastica.errors import StructureError
 from loopelastica.folding.fold import fold_model
 from loopelastica.folding.hypotheses import Scene
@@ -30,8 +23,8 @@ from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.nucleotides import Structure, read_structure
 from loopelastica.molecule.reading import quiet
 
-CHAIN = "A"
-_DECIMALS = 3
+CHAIN: Final = "A"
+_DECIMALS: Final = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,147 +46,6 @@ class FoldedHairpin(Record):
     structure: Structure
     fold: LoopFold
     positions_A: Array
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class HairpinAtoms(Record):
-    """All atoms of a hairpin, 5' to 3'.
-
-    Attributes
-    ----------
-    names, elements, resnames : tuple of str
-        Of each atom; names of the wwPDB.
-    resids : (N,) array of int
-        Number of its nucleotide, from 1.
-    chain : str
-    positions_A : (N, 3) array
-        Å.
-    """
-
-    names: tuple[str, ...]
-    elements: tuple[str, ...]
-    resnames: tuple[str, ...]
-    resids: NDArray[np.int64]
-    chain: str
-    positions_A: Array
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False, kw_only=True)
-class HairpinModel(AtomModel):
-    """A built hairpin: what :class:`AtomModel` has of its loop, and the whole of it.
-
-    Attributes
-    ----------
-    hairpin : FoldedHairpin
-        The stem, and the folded loop.
-    models : tuple of AtomModel
-        The loop's atoms on all lines that were asked for, ranked.
-    """
-
-    hairpin: FoldedHairpin
-    models: tuple[AtomModel, ...]
-
-    def __repr__(self) -> str:
-        sound = "sound" if self.checks.sound else "not sound"
-        n = len(self.hairpin.sequence.residues)
-        return f"<HairpinModel {self.rank}: {self.hairpin.sequence}, {n} nucleotides, {sound}>"
-
-    @property
-    def candidates(self) -> tuple[HairpinModel, ...]:
-        """All that were asked for, ranked; the first is what `build` returns."""
-        return tuple(_model(self.hairpin, model, self.models) for model in self.models)
-
-    @property
-    def sequence(self) -> str:
-        """Such as "GGCAC(UUCG)GUGCC"."""
-        return str(self.hairpin.sequence)
-
-    @property
-    def atoms(self) -> HairpinAtoms:
-        """The atoms of stem and loop."""
-        universe, molecule = self.hairpin.structure.universe, self.molecule
-        positions = np.array(self.hairpin.positions_A)
-        first = self.hairpin.sequence.pairs
-        for row, (name, resid) in enumerate(
-            zip(universe.atoms.names, universe.atoms.resids, strict=True)
-        ):
-            if np.isnan(positions[row]).any():
-                positions[row] = self.positions_A[molecule.index(int(resid) - 1 - first, name)]
-        return HairpinAtoms(
-            tuple(universe.atoms.names.tolist()),
-            tuple(universe.atoms.elements.tolist()),
-            tuple(universe.atoms.resnames.tolist()),
-            universe.atoms.resids.astype(np.int64),
-            CHAIN,
-            positions,
-        )
-
-    def universe(self) -> Any:
-        """The atoms of stem and loop as an MDAnalysis Universe."""
-        atoms = self.atoms
-        residues = self.hairpin.sequence.residues
-        return _universe(residues, atoms.names, (atoms.resids - 1).tolist(), atoms.positions_A)
-
-
-def build(
-    sequence: str,
-    rna: bool | None = None,
-    *,
-    structure: str | None = None,
-    candidates: int = 1,
-    phosphate: bool = False,
-    mismatches: bool = False,
-    contact: str | None = None,
-) -> HairpinModel:
-    """Build a hairpin from its sequence: ideal stem, folded loop, atoms of both.
-
-    Parameters
-    ----------
-    sequence : str
-        Such as "GGCAC(UUCG)GUGCC", or with its dot-bracket, "GGCACUUCGGUGCC (((((....)))))";
-        spaces and lower case mean nothing. Modified nucleotides stand in square brackets by their
-        wwPDB names, "GG[5MC]A(UUCG)UGCC".
-    rna : bool, optional
-        True: A-RNA, False: B-DNA; by default T and U decide.
-    structure : str, optional
-        The dot-bracket, where it is not in `sequence`.
-    candidates : int
-        Most shapes of the loop.
-    phosphate : bool
-        Put a phosphate at the 5' end.
-    mismatches : bool
-        Take nucleotides that do not pair into the stem; they stand where they find room.
-    contact : {"sheared", "watson-crick"}, optional
-        Contact across the loop to be sought.
-
-    Returns
-    -------
-    HairpinModel
-        The first of its :attr:`~HairpinModel.candidates`. Its checks say whether it is sound.
-
-    Raises
-    ------
-    ValueError
-        If `sequence` is no hairpin, or an option is out of range; the sentence says where.
-    StructureError
-        If the stem does not get sound, or the loop cannot be folded.
-
-    Examples
-    --------
-    >>> model = build("GGC(GAA)GCC", rna=False)
-    >>> model
-    <HairpinModel 1: GGC(GAA)GCC, 9 nucleotides, sound>
-    >>> len(model.atoms.names), model.atoms.resnames[-1]
-    (186, 'DC')
-    """
-    candidates, phosphate = whole(1)("candidates", candidates), flag("phosphate", phosphate)
-    check_contact(contact)
-    read = read_sequence(sequence, structure, rna=rna, mismatches=mismatches)
-    hairpin = fold_sequence(read, max_candidates=candidates, phosphate=phosphate)
-    models = build_atoms(
-        hairpin.structure, hairpin.fold, positions=hairpin.positions_A, contact=contact
-    )
-    return _model(hairpin, models[0], tuple(models))
 
 
 def fold_sequence(
@@ -260,7 +112,7 @@ def ideal_hairpin(
     # as files have them: what is computed beside the stem and what is written are the same
     known = np.round(positions, _DECIMALS)
     structure = replace(
-        read_structure(_universe(sequence.residues, names, resindex, known)),
+        read_structure(universe_of(sequence.residues, names, resindex, known)),
         name=str(sequence),
         remarks=tuple(_remarks(sequence, phosphate)),
     )
@@ -300,14 +152,26 @@ def _run_on(residue: Residue, number: int) -> dict[str, Array]:
     return {name: screwed(place, number, residue.is_dna) for name, place in at.items()}
 
 
-def _model(hairpin: FoldedHairpin, model: AtomModel, models: tuple[AtomModel, ...]) -> HairpinModel:
-    values = {item.name: getattr(model, item.name) for item in fields(AtomModel)}
-    return HairpinModel(**values, hairpin=hairpin, models=models)
-
-
-def _universe(
+def universe_of(
     residues: Sequence[Residue], names: Sequence[str], resindex: Sequence[int], positions: Array
 ) -> Any:
+    """A Universe of one chain.
+
+    Parameters
+    ----------
+    residues : sequence of Residue
+        Numbered from 1.
+    names : sequence of str
+        Of the atoms.
+    resindex : sequence of int
+        Residue of each atom, from 0.
+    positions : (N, 3) array
+        Å.
+
+    Returns
+    -------
+    MDAnalysis.Universe
+    """
     import MDAnalysis as mda
 
     elements = [name[0] for name in names]

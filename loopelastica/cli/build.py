@@ -2,7 +2,7 @@
 
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -52,6 +52,13 @@ def build(
             "--mismatches", help="Take nucleotides that do not pair into the stem, where they fit."
         ),
     ] = False,
+    hydrogens: Annotated[
+        bool, typer.Option("--hydrogens", help="Give all nucleotides their hydrogens.")
+    ] = False,
+    names: Annotated[
+        str,
+        typer.Option(help="Names of nucleotides and atoms in the files: 'pdb', 'amber', 'charmm'."),
+    ] = "pdb",
     plot: o.Plot = True,
     contact: o.Contact = None,
 ) -> None:
@@ -60,12 +67,15 @@ def build(
     Of a FASTA file each hairpin gets a folder; the folder for the results gets summary.csv, a row
     per candidate, and failures.csv.
     """
+    from loopelastica.atoms.conventions import check_names
     from loopelastica.atoms.sequence import read_sequence
     from loopelastica.atoms.turn import check_contact
 
-    options = _Options(rna, candidates, phosphate, mismatches, plot, contact)
     with o.usage():
         check_contact(contact)
+        check_names("names", names)
+    files = {"hydrogens": hydrogens, "names": names}
+    options = _Options(rna, candidates, phosphate, mismatches, plot, contact, files)
     if _is_path(sequence):
         o.refuse((structure is not None, "STRUCTURE goes without a FASTA file"))
         _build_all(Path(sequence), out, options)
@@ -83,6 +93,7 @@ class _Options:
     mismatches: bool
     plot: bool
     contact: str | None
+    files: dict[str, Any]
 
 
 def _is_path(text: str) -> bool:
@@ -164,6 +175,7 @@ def _write(name: str, folded: "FoldedHairpin", folders: "Folders", options: _Opt
     from loopelastica.report.folder import write_fold
 
     built = atoms_of(folded.structure, folded.fold, folded.positions_A, options.contact)
+    built = replace(built, **options.files)
     # a name has no suffix, whatever dots are in it
     folder = folders.claim(Path(f"{safe_name(name, 150)}.fasta"), folded.fold)
     source = str(folded.sequence)

@@ -66,6 +66,7 @@ def test_a_dot_bracket_and_options_are_taken(tmp_path):
         (["GGC(A[H2U]A)GCC"], 2, "H2U (nucleotide 5) is a nucleotide that cannot be built"),
         (["GGC(UUU)GCC", "--contact", "wobble"], 2, "--contact is 'wobble'"),
         (["GGC(UUU)GCC", "--candidates", "0"], 2, "--candidates"),
+        (["GGC(UUU)GCC", "--names", "gromos"], 2, "--names is 'gromos'"),
         ([""], 2, "it must be two strands with the loop in brackets"),
         (["absent.fa"], 1, "absent.fa: there is no such file"),
         (["no/such"], 1, "no/such: there is no such file"),
@@ -80,6 +81,15 @@ def test_what_cannot_be_built_is_refused_in_one_sentence(tmp_path, arguments, st
     assert said in " ".join(result.output.replace("│", " ").split())
     assert "Traceback" not in result.output
     assert not out.exists()
+
+
+def test_hydrogens_and_names_are_options(tmp_path):
+    result = run("GGC(GAA)GCC", "--rna", "--hydrogens", "--names", "amber", *FAST, "-o", tmp_path)
+    assert result.exit_code == 0, result.output
+    (pdb,) = tmp_path.glob("*/atoms.pdb")
+    atoms = [line for line in pdb.read_text().splitlines() if line.startswith("ATOM")]
+    assert {line[17:20].strip() for line in atoms} == {"G5", "G", "C", "A", "C3"}
+    assert sum(line[76:78].strip() == "H" for line in atoms) > 90
 
 
 def test_hairpins_of_a_fasta_file_are_built_apart(tmp_path):
