@@ -78,7 +78,9 @@ def _on_all(atoms: LoopAtoms, source: Source) -> Iterator[str]:
     yield f"MODELLED: {_span(atoms)}, SEQUENCE {_loop(atoms)}, IN THE PAIR {hairpin.label}"
     yield "ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL"
     yield "B FACTOR OF THE LOOP: 8 PI^2/3 OF THE EXPECTED ERROR SQUARED"
-    yield "HYDROGENS: " + ("ALL NUCLEOTIDES HAVE THEM" if atoms.hydrogens else "NONE")
+    yield "HYDROGENS: " + (
+        "ALL THE INPUT HAS, AND THOSE OF NUCLEOTIDES WITHOUT" if atoms.hydrogens else "NONE"
+    )
     if atoms.names != "pdb":
         yield f"NAMES OF NUCLEOTIDES AND THEIR ATOMS: {atoms.names.upper()}"
     yield from (f"NOTE: {sentence}" for sentence in atoms.remarks)
