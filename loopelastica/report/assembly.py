@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 from loopelastica._arrays import Array
 from loopelastica.atoms.model import AtomModel
 from loopelastica.molecule.components import METHYLATED, atom_name, is_standard
-from loopelastica.molecule.neighbours import elements, one_location, waters
+from loopelastica.molecule.neighbours import METALS, elements, one_location, waters
 from loopelastica.molecule.nucleotides import NO_CHAIN, Structure, is_pdb, linked, strings
+from loopelastica.molecule.obstacles import HALIDES
 from loopelastica.molecule.origin import Origin, origin_of
 from loopelastica.molecule.polymer import Monomer
 
@@ -33,6 +34,11 @@ if TYPE_CHECKING:
 
 _WATER_A: Final = 3.0
 _OVER: Final = 10_000
+_IONS: Final = {
+    **{name: name for name in (*METALS, *HALIDES)},
+    # of CHARMM
+    **{"SOD": "NA", "POT": "K", "CLA": "CL", "CAL": "CA", "CES": "CS", "LIT": "LI"},
+}
 HYDROGEN: Final = ("H", "D")
 
 
@@ -281,9 +287,15 @@ def _numbers(structure: Structure) -> NDArray[np.int64]:
 
 
 def _elements(structure: Structure) -> NDArray[np.str_]:
-    """Element of each atom as the file has it, else from its name."""
-    own = strings(structure.universe.atoms, "elements")
-    return np.where(own == "", elements(structure), own)
+    """Element of each atom as the file has it, else from its name; of an ion from its residue."""
+    atoms = structure.universe.atoms
+    own = strings(atoms, "elements")
+    resnames = np.char.upper(strings(structure.universe.residues, "resnames"))
+    residue = np.asarray(atoms.resindices)
+    # I is inosine too
+    bare = np.bincount(residue)[residue] == 1
+    ions = np.where(bare, np.array([_IONS.get(name, "") for name in resnames])[residue], "")
+    return np.where(own != "", own, np.where(ions != "", ions, elements(structure)))
 
 
 def _fill_in(residue: Residue, model: AtomModel) -> None:

@@ -100,18 +100,21 @@ def _on_models(atoms: LoopAtoms, models: Sequence[AtomModel]) -> Iterator[str]:
         )
         if model.rmsd_A is not None:
             yield f" BACKBONE RMSD TO THE LOOP OF THE INPUT {model.rmsd_A:.2f} A"
+    for model in atoms.models:
+        if not model.checks.sound:
+            yield f"CANDIDATE {model.rank} IS NOT SOUND AND LEFT OUT: {because(model)}"
 
 
 def sentences(atoms: LoopAtoms) -> Iterator[str]:
-    """What a user should be aware of: candidates that are not sound, a contact not reached.
+    """What a user should be aware of: no sound candidate, a contact not reached.
 
     Parameters
     ----------
     atoms : LoopAtoms
     """
+    if not atoms.written:
+        yield "no candidate has sound atoms; atoms.json says why, and no structure is written"
     for model in atoms.models:
-        if not model.checks.sound:
-            yield f"candidate {model.rank} is not sound and left out: {because(model)}"
         apart = contact_A(model)
         if atoms.contact is not None and apart is not None and apart > CONTACT_A:
             yield (
