@@ -7,7 +7,7 @@ others once.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.hydrogens import Hydrogens, add_hydrogens
+from loopelastica.atoms.terminals import PHOSPHATE_5, phosphate_remark, phosphates_at_5
 from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.polymer import Monomer
 from loopelastica.report.assembly import HYDROGEN, Assembly, Atom, Residue
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from loopelastica.atoms.model import AtomModel
     from loopelastica.report.atoms import LoopAtoms
 
-PHOSPHATE_5: Final = ("P", "OP1", "OP2", "OP3", "HOP2", "HOP3", "HP", "H5T")
 _NEAR_A: Final = 8.0
 """Hydrogens of nucleotides this near to the loop are placed for each model."""
 
@@ -44,23 +44,19 @@ def with_5_phosphates(assembly: Assembly, atoms: LoopAtoms) -> None:
         It is changed.
     atoms : LoopAtoms
     """
-    found = [
-        residue
-        for row, residue in assembly.nucleotides.items()
-        if not assembly.bonded[row, 0] and any(atom.name == "P" for atom in residue.atoms)
-    ]
-    if not found:
-        return
-    named = enumerated([residue.label for residue in found])
-    if not atoms.no_5_phosphate:
-        assembly.remarks.append(
-            f"5' phosphate at {named}: force fields have no template for it; --no-5-phosphate takes"
-            " it off"
-        )
-        return
-    for residue in found:
-        residue.atoms = [atom for atom in residue.atoms if atom.name not in PHOSPHATE_5]
-    assembly.remarks.append(f"the 5' phosphate was taken off at {named}")
+    nucleotides = assembly.nucleotides
+    residues = list(nucleotides.values())
+    monomers = [_monomer(residue, atoms, atoms.written[0]) for residue in residues]
+    bonded = [(bool(five), bool(three)) for five, three in assembly.bonded[list(nucleotides)]]
+    found = phosphates_at_5(monomers, bonded)
+    if found and atoms.no_5_phosphate:
+        for k in found:
+            left = [atom for atom in residues[k].atoms if atom.name not in PHOSPHATE_5]
+            residues[k].atoms = left
+        named = enumerated([monomers[k].label for k in found])
+        assembly.remarks.append(f"the 5' phosphate was taken off at {named}")
+    else:
+        assembly.remarks += [phosphate_remark(monomers[k]) for k in found]
 
 
 def protonate(assembly: Assembly, atoms: LoopAtoms) -> None:
@@ -78,7 +74,8 @@ def protonate(assembly: Assembly, atoms: LoopAtoms) -> None:
     rows = list(nucleotides)
     others_A = _others(assembly, atoms)
     loop_A = np.concatenate([m.positions_A[m.molecule.loop_atoms] for m in atoms.written])
-    near, far = [], []
+    near: list[int] = []
+    far: list[int] = []
     for row in rows:
         residue = nucleotides[row]
         is_near = residue.built is not None or _is_near(residue, atoms, loop_A)
@@ -92,25 +89,26 @@ def protonate(assembly: Assembly, atoms: LoopAtoms) -> None:
 
     fixed = added(far, first)
     of_models = [added(near, model) for model in atoms.written]
-    kept: list[int] = []
-    replaced: list[str] = []
-    for which, hydrogens in ((far, fixed), (near, of_models[0])):
-        for row, new in zip(which, hydrogens, strict=True):
-            residue = nucleotides[row]
-            if residue.hydrogens and (residue.hydrogens >= set(new)):
-                kept.append(row)
-                continue
-            if residue.hydrogens:
-                replaced.append(residue.label)
-            residue.atoms = [atom for atom in residue.atoms if atom.element not in HYDROGEN]
-            residue.atoms += [Atom(name, "H") for name in new]
-    own = set(kept)
+    new_of = {
+        row: new
+        for which, hydrogens in ((far, fixed), (near, of_models[0]))
+        for row, new in zip(which, hydrogens, strict=True)
+    }
+    kept, replaced = set(), []
+    for row in rows:
+        residue, new = nucleotides[row], new_of[row]
+        if residue.hydrogens and residue.hydrogens >= set(new):
+            kept.add(row)
+            continue
+        if residue.hydrogens:
+            replaced.append(residue.label)
+        _give(residue, new)
     assembly.hydrogens_A = [
         {
             (row, name): at
             for which, hydrogens in ((far, fixed), (near, of_model))
             for row, new in zip(which, hydrogens, strict=True)
-            if row not in own
+            if row not in kept
             for name, at in new.items()
         }
         for of_model in of_models
@@ -121,6 +119,17 @@ def protonate(assembly: Assembly, atoms: LoopAtoms) -> None:
             f"the file's own hydrogens were not complete, or had other names, at"
             f" {enumerated(replaced)}; they are placed anew"
         )
+
+
+def _give(residue: Residue, hydrogens: Mapping[str, Array]) -> None:
+    """Hydrogens in place of those that a nucleotide has."""
+    heavy = [atom for atom in residue.atoms if atom.element not in HYDROGEN]
+    for atom in heavy:
+        if f"H{atom.name}" in hydrogens:
+            # it is no anion with a hydrogen
+            atom.charge = 0
+    b_factor = round(sum(atom.b_factor for atom in heavy) / max(len(heavy), 1), 2)
+    residue.atoms = [*heavy, *(Atom(name, "H", b_factor=b_factor) for name in hydrogens)]
 
 
 def _heavy_A(residue: Residue, atoms: LoopAtoms, model: AtomModel) -> Array:
