@@ -14,9 +14,10 @@ from loopelastica._arrays import Array
 from loopelastica._files import write_text
 from loopelastica._names import safe_name
 from loopelastica.atoms.conventions import conventional
+from loopelastica.atoms.hairpin import fold_sequence
 from loopelastica.atoms.hydrogens import add_hydrogens
 from loopelastica.atoms.model import build_atoms
-from loopelastica.atoms.sequence import fold_sequence
+from loopelastica.atoms.sequence import read_sequence
 from loopelastica.atoms.terminals import chain_bonds, phosphates_at_5, without_phosphate
 from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.fold import fold
@@ -121,9 +122,15 @@ def built_cases(folder: Path, sequences: Mapping[str, tuple[str, ...]]) -> Itera
     """
     for kind, texts in sequences.items():
         for text in texts:
-            structure, loop, positions = fold_sequence(text, kind == "DNA", max_candidates=TRIED)
-            case = _case("built", text, loop)
-            yield _or_why(case, _modelled, folder, structure, loop, positions)
+            try:
+                read = read_sequence(text, rna=kind == "RNA")
+                hairpin = fold_sequence(read, max_candidates=TRIED)
+            except LoopelasticaError as error:
+                yield Case("built", text, kind, "", failure=str(error))
+                continue
+            case = _case("built", text, hairpin.fold)
+            given = hairpin.structure, hairpin.fold, hairpin.positions_A
+            yield _or_why(case, _modelled, folder, *given)
 
 
 def file_cases(folder: Path, file: Path) -> Iterator[Case]:
@@ -247,7 +254,7 @@ def write_nucleotides(path: Path, monomers: Sequence[Monomer]) -> None:
     structure = gemmi.Structure()
     structure.add_model(model)
     structure.setup_entities()
-    write_text(path, structure.make_pdb_string())
+    write_text(path, structure.make_pdb_string(gemmi.PdbWriteOptions(cryst1_record=False)))
 
 
 def _case(source: str, name: str, loop: Any) -> Case:
