@@ -64,7 +64,7 @@ def usual(letters: Sequence[str], is_dna: Sequence[bool]) -> Habits:
     --------
     >>> habits = usual("UUCG", [False] * 4)
     >>> habits.c2_endo.round(2), habits.syn.round(2)
-    (array([0.19, 0.34, 0.34, 0.32]), array([0.05, 0.09, 0.08, 0.31]))
+    (array([0.2 , 0.35, 0.34, 0.34]), array([0.05, 0.08, 0.07, 0.29]))
     """
     found = holds(letters, is_dna)
     c2_endo, syn = (1.0 / (1.0 + np.exp(-found @ terms)) for terms in habit_terms())

@@ -133,7 +133,7 @@ def build_atoms(
     >>> from loopelastica._files import data_path
     >>> (loop,) = le.fold(data_path("hairpins/2koc.pdb"), all_models=False, shapes="rod")
     >>> build_atoms(data_path("hairpins/2koc.pdb"), loop, max_candidates=1)
-    [<AtomModel 1: 90 atoms, sound, RMSD 2.34 Å>]
+    [<AtomModel 1: 95 atoms, sound, RMSD 2.41 Å>]
     """
     tries, max_steps = whole(1)("tries", tries), whole(1)("max_steps", max_steps)
     max_candidates = optional(whole(1))("max_candidates", max_candidates)

@@ -38,7 +38,9 @@ NEAR_SD_A: Final = (0.5, 2.0)
 """How near each atom is held to where it was, where something that is there is built anew."""
 MENDINGS: Final = 3
 RARE: Final = 2.0
-"""What a suite outside all clusters costs, in units of the score of Ω, χ and pucker."""
+OVERLAP: Final = 0.2
+"""What a suite outside all clusters and an overlap per thousand atoms cost, in units of the score
+of Ω, χ and pucker."""
 HOPELESS: Final = 6.0
 """A model that is further from sound than this (see `Checks.excess`) is not mended."""
 
@@ -85,9 +87,9 @@ class Attempt:
 
     @property
     def order(self) -> tuple[float, bool, float]:
-        """Chemistry, then a contact that is sought, then strain, rare backbones and score."""
-        strain = 0.1 * sum(self.relaxed.cost.values())
+        """Chemistry, a contact that is sought, then overlaps, strain, rare backbones and score."""
         missed = self.checks.contact_reached is False
+        strain = 0.1 * sum(self.relaxed.cost.values()) + OVERLAP * self.checks.clashes_per_1000
         return self.checks.excess, missed, strain + RARE * self.rare + self.turns.score
 
     @property
@@ -270,7 +272,8 @@ def _into_clusters(
                                 limits.max_steps, max(end - time.monotonic(), 0.0))  # fmt: skip
         checks = check(site, relaxed.positions_A, centers, attempt.start_A, relaxed.status)
         other = replace(attempt, relaxed=relaxed, checks=checks)
-        if other.good and other.rare < attempt.rare:
+        overlaps = checks.clashes_per_1000 > attempt.checks.clashes_per_1000
+        if other.good and other.rare < attempt.rare and not overlaps:
             attempt = other
     return attempt
 
@@ -284,4 +287,5 @@ def _stress(site: Site, positions: Array) -> Array:
     geometry = site.geometry
     bond = np.abs(bond_lengths(positions, geometry.bonds) - geometry.length_A)
     angle = np.abs(angles_deg(positions, geometry.angles) - geometry.angle_deg)
-    return np.concatenate([np.where(bond > 0.04, 2.0, 1.0), np.where(angle > 7.5, 2.0, 1.0)])
+    more = [np.where(bond > 0.04, 2.0, 1.0), np.where(angle > 7.5, 2.0, 1.0)]
+    return np.concatenate([*more, np.ones(len(site.contact_pairs))])

@@ -1,7 +1,7 @@
 """The states of one nucleotide on a line: turn Ω about it, χ, and the pucker of its sugar.
 
 Every nucleotide has the same few states: Ω in steps round the circle, C3'-endo or C2'-endo (as the
-strands of A-RNA and B-DNA have them), χ at that of the strand, 30° to either side, and syn.
+strands of A-RNA and B-DNA have them), χ at that of the strand, two others that are anti, and syn.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ from loopelastica.molecule.nucleotides import RING
 from loopelastica.molecule.strands import ideal_strand
 
 OMEGA_STEPS: Final = 24
-CHI_CHANGES_DEG: Final = (0.0, -30.0, 30.0)
-SYN: Final = len(CHI_CHANGES_DEG)
+CHI_CHANGES_DEG: Final = {False: (0.0, -30.0, 30.0), True: (0.0, -25.0, -50.0)}
+"""From the strand's own χ, −166° of C3'-endo (False) and −98° of C2'-endo (True) nucleotides."""
+SYN: Final = 3
 SYN_CHI_DEG: Final = 60.0
 _PHOSPHATE: Final = ("P", "OP1", "OP2")
 
@@ -37,7 +38,7 @@ class States:
     omega_deg : (s,) array
         Ω.
     chi_class : (s,) array of int
-        Row of `CHI_CHANGES_DEG`, or `SYN`.
+        Which of `CHI_CHANGES_DEG`, or `SYN`.
     c2_endo : (s,) array of bool
     names : tuple of str
     atoms : (s, a, 3) array
@@ -143,7 +144,7 @@ def chi_changes(letter: str, is_dna: bool, c2_endo: bool) -> Array:
     """Change of χ of each class, degrees; :data:`SYN` is the last."""
     atoms = fibre_nucleotide(letter, is_dna, c2_endo)
     fibre = torsion_deg(*(atoms[name] for name in chi_torsion(letter)))
-    return np.array([*CHI_CHANGES_DEG, SYN_CHI_DEG - fibre])
+    return np.array([*CHI_CHANGES_DEG[c2_endo], SYN_CHI_DEG - fibre])
 
 
 def ring_plane(rings: Array) -> tuple[Array, Array]:

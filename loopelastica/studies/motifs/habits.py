@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -53,7 +54,7 @@ def habit_rows(loops: Sequence[StudyLoop]) -> list[dict[str, Any]]:
     list of dict
         Per habit: nucleotides, the share that has it, mean of minus the logarithm of the
         probability of what is there, by the terms and by the share alone; how often one with the
-        habit is given a higher probability than one without.
+        habit is given a higher probability than one without. NaN of one family alone.
     """
     rows = []
     for name in HABITS:
@@ -121,6 +122,8 @@ def _probability(terms: Array, b: Array) -> Array:
 
 def _loss(share: Array, has: Array, weights: Array) -> float:
     known = np.isfinite(share)
+    if not known.any():
+        return math.nan
     p = np.where(has > 0.5, share, 1.0 - share)[known]
     return float(np.average(-np.log(np.maximum(p, 1e-12)), weights=weights[known]))
 
