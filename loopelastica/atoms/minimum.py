@@ -341,11 +341,11 @@ def into_clusters(
     centers: Array,
     relaxed: Relaxed,
     besides: Sequence[set[int]],
-    outside: Sequence[bool],
+    turning: Sequence[bool],
     max_steps: int,
     max_seconds: float,
 ) -> Relaxed:
-    """A minimum whose suites that are outside all clusters are turned into one first.
+    """A minimum some of whose suites are turned into a cluster first.
 
     The chemistry is loose while they turn.
 
@@ -360,8 +360,8 @@ def into_clusters(
     besides : sequence of set of int
         Clusters that each suite has been turned to already; the one that it is turned to now is
         added.
-    outside : sequence of bool
-        Which of the suites are.
+    turning : sequence of bool
+        Which of the suites turn; the others are held where they are nearest.
     max_steps, max_seconds : int, float
         Limits of the minimization.
 
@@ -375,7 +375,7 @@ def into_clusters(
     whole = np.concatenate([there[order], problem.site.around.positions_A])
     phases = _near_puckers(whole, problem.rings)
     clusters, rows = _clusters(problem, whole, phases, besides)
-    for suite, (row, out) in enumerate(zip(rows, outside, strict=True)):
+    for suite, (row, out) in enumerate(zip(rows, turning, strict=True)):
         if out:
             besides[suite].add(row)
     loose = problem.restraints(

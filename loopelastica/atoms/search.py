@@ -37,6 +37,8 @@ MOST_TRIES: Final = 12
 NEAR_SD_A: Final = (0.5, 2.0)
 """How near each atom is held to where it was, where something that is there is built anew."""
 MENDINGS: Final = 3
+TURNINGS: Final = 6
+"""How often suites of the best model that are outside all clusters are turned towards one."""
 RARE: Final = 2.0
 OVERLAP: Final = 0.2
 """What a suite outside all clusters and an overlap per thousand atoms cost, in units of the score
@@ -264,11 +266,15 @@ def _into_clusters(
     site = problem.site
     centers = _centers(site, line)
     besides: list[set[int]] = [set() for _ in attempt.checks.suites]
-    for _ in range(MENDINGS):
+    for turn in range(TURNINGS):
         outside = [name == OUTSIDE for name in attempt.checks.suites]
         if not any(outside) or not attempt.good or time.monotonic() > end:
             break
-        relaxed = into_clusters(problem, centers, attempt.relaxed, besides, outside,
+        # first all of them, then one after the other, for one that cannot turn spoils the rest
+        places = [k for k, out in enumerate(outside) if out]
+        chosen = places if turn == 0 else [places[turn % len(places)]]
+        turning = [k in chosen for k in range(len(outside))]
+        relaxed = into_clusters(problem, centers, attempt.relaxed, besides, turning,
                                 limits.max_steps, max(end - time.monotonic(), 0.0))  # fmt: skip
         checks = check(site, relaxed.positions_A, centers, attempt.start_A, relaxed.status)
         other = replace(attempt, relaxed=relaxed, checks=checks)
