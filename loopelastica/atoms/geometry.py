@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
@@ -53,15 +53,16 @@ LIKED_TORSIONS: Final[tuple[Any, ...]] = (
 SUITE_SD: Final = 0.35
 """Of a torsion of a suite from its cluster, rad: half as wide as clusters are."""
 
-NEAREST_APOLAR_A: Final = 3.4
-NEAREST_A: Final = 3.1
-NEAREST_POLAR_A: Final = 2.7
 NEAREST_1_4_A: Final = 2.5
-"""Least distances of atoms four or more bonds apart: of two nucleotides' atoms, neither nitrogen
-nor oxygen; with one of these; of two of these; and of atoms three bonds apart. Van der Waals radii
-less what hydrogen bonds and close contacts in crystals take away. Hydrogens, which are not there,
-need the first: of 649 steps of RNA in 40 entries 1 % have C3' of one nucleotide and C5' of the next
+"""Least distance of atoms three bonds apart."""
+NEAREST_A: Final = np.array([[3.4, 3.1, 3.5], [3.1, 2.7, 3.15], [3.5, 3.15, 3.6]])
+FLOOR_A: Final = np.array([[2.4, 2.4, 3.2], [2.4, 2.4, 2.9], [3.2, 2.9, 3.4]])
+"""Distances that atoms four or more bonds apart like to keep, and that they must, by their sorts:
+others, nitrogen and oxygen, carbons of sugars and methyls. Van der Waals radii less what hydrogen
+bonds and close contacts in crystals take away; the last need room for their hydrogens, which are
+not there. Of 649 steps of RNA in 40 entries 1 % have C3' of one nucleotide and C5' of the next
 nearer than 3.39 Å."""
+METHYL: Final = "C7"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -306,21 +307,26 @@ def separations(molecule: LoopMolecule) -> Array:
     return np.asarray(Chem.GetDistanceMatrix(molecule.mol))
 
 
-def nearest_A(polar: NDArray[np.bool_], other_polar: NDArray[np.bool_]) -> Array:
-    """Least distance of unbonded atoms of different nucleotides.
+def sorts(symbols: Sequence[str], names: Sequence[str]) -> Index:
+    """Rows of `NEAREST_A` and `FLOOR_A`.
 
     Parameters
     ----------
-    polar, other_polar : (n,), (m,) array of bool
-        True for nitrogen and oxygen.
+    symbols, names : sequence of str
+        Elements and names of the wwPDB, of each atom.
 
     Returns
     -------
-    (n, m) array
-        Å.
+    (n,) array of int
     """
-    sizes = np.array([NEAREST_APOLAR_A, NEAREST_A, NEAREST_POLAR_A])
-    return np.asarray(sizes[polar[:, None].astype(np.int64) + other_polar[None]])
+    return np.array(
+        [
+            1 if symbol in ("N", "O") else
+            2 if symbol == "C" and (name.endswith("'") or name == METHYL) else 0
+            for symbol, name in zip(symbols, names, strict=True)
+        ],
+        dtype=np.int64,
+    )  # fmt: skip
 
 
 def _named(molecule: LoopMolecule, residue: int, name: str) -> int | None:

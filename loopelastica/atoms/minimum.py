@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.checks import puckers
 from loopelastica.atoms.geometry import (
     BOND_SD_A,
+    FLOOR_A,
     NEAREST_1_4_A,
     NEAREST_A,
     PLANAR_SD_A3,
@@ -23,10 +23,10 @@ from loopelastica.atoms.geometry import (
     VOLUME_SD_A3,
     chiral_quads,
     everywhere,
-    nearest_A,
     outer_distances,
     ring_quads,
     separations,
+    sorts,
 )
 from loopelastica.atoms.relax import STAGES, Index, Relaxed, Restraints, relax
 from loopelastica.atoms.site import Site
@@ -45,8 +45,6 @@ TURNING_SD: Final = 0.1
 """How near torsions are held that have to turn into a cluster, rad."""
 TURNING_LINE_SD_A: Final = 1.0
 """And the centroids to the line meanwhile."""
-FLOOR_A: Final = 2.4
-"""Nearer than this no two atoms may be, but for nitrogen or oxygen and a metal."""
 METAL_POLAR_A: Final = 2.05
 METAL_A: Final = 2.9
 
@@ -449,21 +447,19 @@ def _least(site: Site, order: Index) -> tuple[Array, Array]:
     molecule, around = site.molecule, site.around
     n_moving = int(site.moving.sum())
     apart = separations(molecule)[np.ix_(order[:n_moving], order)]
-    polar = _polar(site)[order]
-    residue = np.array(molecule.residue)[order]
-    owner = residue[:n_moving]
-    inside = nearest_A(polar[:n_moving], polar)
-    own = owner[:, None] == residue
-    inside = np.where(own, np.minimum(inside, NEAREST_A), inside)
-    inside = np.where(apart == 3, np.minimum(inside, NEAREST_1_4_A), inside)
-    outside = nearest_A(polar[:n_moving], around.polar)
-    coordinated = np.where(polar[:n_moving], METAL_POLAR_A, METAL_A)[:, None]
+    symbols = [atom.GetSymbol() for atom in molecule.mol.GetAtoms()]
+    sort = sorts(symbols, molecule.names)[order]
+    own = sort[:n_moving, None]
+    like, floor = NEAREST_A[own, sort], FLOOR_A[own, sort]
+    like = np.where(apart == 3, np.minimum(like, NEAREST_1_4_A), like)
+    floor = np.where(apart == 3, FLOOR_A[0, 0], floor)
+    outside = NEAREST_A[own, around.sort]
+    coordinated = np.where(own == 1, METAL_POLAR_A, METAL_A)
     outside = np.where(around.metal, coordinated, outside)
     # the group of a modified nucleotide is bonded to it in ways that are not known here
-    outside[owner[:, None] == around.owner] = 0.0
-    least = np.concatenate([np.where(apart <= 2, 0.0, inside), outside], axis=1)
-    return least, np.minimum(least, FLOOR_A)
-
-
-def _polar(site: Site) -> NDArray[np.bool_]:
-    return np.array([a.GetSymbol() in "NO" for a in site.molecule.mol.GetAtoms()])
+    owner = np.array(molecule.residue)[order[:n_moving], None]
+    outside[owner == around.owner] = 0.0
+    least = np.concatenate([np.where(apart <= 2, 0.0, like), outside], axis=1)
+    # what is around may itself be nearer to the strand's place than it should
+    floors = np.concatenate([floor, np.full(outside.shape, FLOOR_A[0, 0])], axis=1)
+    return least, np.minimum(least, floors)

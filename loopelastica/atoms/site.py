@@ -19,7 +19,7 @@ from loopelastica.atoms.chemistry import (
     Residue,
     loop_molecule,
 )
-from loopelastica.atoms.geometry import IdealGeometry, ideal_geometry
+from loopelastica.atoms.geometry import IdealGeometry, ideal_geometry, sorts
 from loopelastica.atoms.habits import Habits, of_motif, usual
 from loopelastica.atoms.turn import CONTACTS, Surroundings, check_contact
 from loopelastica.errors import StructureError
@@ -30,7 +30,6 @@ from loopelastica.molecule.neighbours import METALS, elements, solid
 from loopelastica.molecule.nucleotides import BACKBONE, RING, Structure, atom_positions
 
 Index = NDArray[np.int64]
-
 NOBODY: Final = -99
 GRID_A: Final = 6
 """Decimals that are kept: below them, turns of the input would make the arithmetic differ."""
@@ -45,8 +44,10 @@ class Around(Record):
     ----------
     positions_A : (m, 3) array
         In the local frame, Å.
-    polar, metal : (m,) array of bool
-        Of nitrogen and oxygen; of metal ions.
+    sort : (m,) array of int
+        Row of :data:`.geometry.NEAREST_A`.
+    metal : (m,) array of bool
+        Of metal ions.
     owner : (m,) array of int
         Nucleotide of the molecule that an atom belongs to, such as an unknown group of a modified
         one: atoms of that nucleotide do not avoid it. `NOBODY` for all others.
@@ -54,7 +55,7 @@ class Around(Record):
     """
 
     positions_A: Array
-    polar: NDArray[np.bool_]
+    sort: Index
     metal: NDArray[np.bool_]
     owner: NDArray[np.int64]
     label: NDArray[np.str_]
@@ -333,7 +334,7 @@ def _around(
     ]
     return Around(
         local[rows],
-        np.isin(element[rows], ["N", "O"]) & ~metal,
+        np.where(metal, 0, sorts(element[rows].tolist(), atoms.names.tolist())),
         metal,
         np.full(len(rows), NOBODY),
         np.array(label, dtype=np.str_),

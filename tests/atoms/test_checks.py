@@ -13,7 +13,7 @@ def around(positions, metal=False, owner=NOBODY):
     n = len(positions)
     return Around(
         np.asarray(positions),
-        np.zeros(n, dtype=bool),
+        np.zeros(n, dtype=np.int64),
         np.full(n, metal),
         np.full(n, owner),
         np.full(n, "MG1:MG" if metal else "C1:C"),
