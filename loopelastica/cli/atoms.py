@@ -1,6 +1,6 @@
-"""Atoms on the lines of a folded loop, with a progress bar."""
+"""Atoms on the lines of a folded loop, with a progress bar, and what is said of them."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from loopelastica._arrays import Array
@@ -10,7 +10,11 @@ if TYPE_CHECKING:
 
 
 def atoms_of(
-    structure: "Structure", loop: "LoopFold", positions: "Array", contact: str | None
+    structure: "Structure",
+    loop: "LoopFold",
+    positions: "Array",
+    contact: str | None,
+    **written: Any,
 ) -> "LoopAtoms":
     """Atoms of all candidates, with a progress bar.
 
@@ -24,6 +28,8 @@ def atoms_of(
         Of all atoms, Å.
     contact : str or None
         As for :func:`build_atoms`.
+    **written
+        What is written of them: fields of ``LoopAtoms``, such as ``hydrogens``.
 
     Returns
     -------
@@ -42,4 +48,4 @@ def atoms_of(
             contact=contact,
             progress=lambda done, total: bar.update(),
         )
-    return LoopAtoms(structure, loop, tuple(models), positions, contact)
+    return LoopAtoms(structure, loop, tuple(models), positions, contact, **written)

@@ -13,6 +13,7 @@ import operator
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
@@ -22,8 +23,9 @@ from numpy.typing import NDArray
 from loopelastica._arrays import Array
 from loopelastica.atoms.model import AtomModel
 from loopelastica.molecule.components import METHYLATED, atom_name, is_standard
-from loopelastica.molecule.neighbours import elements, one_location, waters
-from loopelastica.molecule.nucleotides import NO_CHAIN, Structure, linked, strings
+from loopelastica.molecule.neighbours import METALS, elements, one_location, waters
+from loopelastica.molecule.nucleotides import NO_CHAIN, Structure, is_pdb, linked, strings
+from loopelastica.molecule.obstacles import HALIDES
 from loopelastica.molecule.origin import Origin, origin_of
 from loopelastica.molecule.polymer import Monomer
 
@@ -31,6 +33,12 @@ if TYPE_CHECKING:
     from loopelastica.report.atoms import LoopAtoms
 
 _WATER_A: Final = 3.0
+_OVER: Final = 10_000
+_IONS: Final = {
+    **{name: name for name in (*METALS, *HALIDES)},
+    # of CHARMM
+    **{"SOD": "NA", "POT": "K", "CLA": "CL", "CAL": "CA", "CES": "CS", "LIT": "LI"},
+}
 HYDROGEN: Final = ("H", "D")
 
 
@@ -111,6 +119,11 @@ class Residue:
     def label(self) -> str:
         """Label such as "A.G12", "A.DG3^B" (insertion code) or "G12" (no chain)."""
         return self.monomer().label
+
+    @property
+    def is_peptide(self) -> bool:
+        """Whether it has the backbone of an amino acid."""
+        return {"N", "CA", "C"} <= {atom.name for atom in self.atoms}
 
     @property
     def hydrogens(self) -> set[str]:
@@ -225,7 +238,7 @@ def _residues(atoms: LoopAtoms) -> list[Residue]:
     charge = np.asarray(getattr(source, "formalcharges", np.zeros(n)), dtype=int)
     chains, segments = strings(source, "chainIDs"), strings(source, "segids")
     resnames, icodes = (strings(structure.universe.residues, k) for k in ("resnames", "icodes"))
-    resids = np.asarray(structure.universe.residues.resids)
+    resids = _numbers(structure)
     is_water = waters(structure)
 
     out: list[Residue] = []
@@ -264,10 +277,25 @@ def _residues(atoms: LoopAtoms) -> list[Residue]:
     return [residue for residue in out if residue.atoms]
 
 
+def _numbers(structure: Structure) -> NDArray[np.int64]:
+    """Residue numbers as the input has them."""
+    numbers = np.asarray(structure.universe.residues.resids, dtype=np.int64)
+    if structure.source is not None and is_pdb(Path(structure.source)):
+        # MDAnalysis counts on where the four digits of a PDB file seem to have run over
+        return np.where(numbers >= _OVER, numbers % _OVER, numbers)
+    return numbers
+
+
 def _elements(structure: Structure) -> NDArray[np.str_]:
-    """Element of each atom as the file has it, else from its name."""
-    own = strings(structure.universe.atoms, "elements")
-    return np.where(own == "", elements(structure), own)
+    """Element of each atom as the file has it, else from its name; of an ion from its residue."""
+    atoms = structure.universe.atoms
+    own = strings(atoms, "elements")
+    resnames = np.char.upper(strings(structure.universe.residues, "resnames"))
+    residue = np.asarray(atoms.resindices)
+    # I is inosine too
+    bare = np.bincount(residue)[residue] == 1
+    ions = np.where(bare, np.array([_IONS.get(name, "") for name in resnames])[residue], "")
+    return np.where(own != "", own, np.where(ions != "", ions, elements(structure)))
 
 
 def _fill_in(residue: Residue, model: AtomModel) -> None:
@@ -299,8 +327,10 @@ def _mark_chains(assembly: Assembly) -> None:
     """Where chains begin: by the input's TER records, else where names or bonds end."""
     ends = assembly.origin.ends
     by_records = None if ends is None else sorted(ends)
-    for before, residue in itertools.pairwise([None, *assembly.residues]):
-        if before is None or (before.chain, before.segment) != (residue.chain, residue.segment):
+    for residue in assembly.residues[:1]:
+        residue.begins = True
+    for before, residue in itertools.pairwise(assembly.residues):
+        if (before.chain, before.segment) != (residue.chain, residue.segment):
             residue.begins = True
         elif by_records is not None:
             passed = (bisect_left(by_records, one.first) for one in (before, residue))
@@ -312,7 +342,7 @@ def _mark_chains(assembly: Assembly) -> None:
 def _breaks(assembly: Assembly, before: Residue, residue: Residue) -> bool:
     """Whether a strand begins that is neither bonded to the one before nor numbered after it."""
     if before.nucleotide is None or residue.nucleotide is None:
-        return False
+        return before.is_peptide != residue.is_peptide and not (before.is_het or residue.is_het)
     joined = bool(assembly.bonded[residue.nucleotide, 0])
     return not joined and residue.number - before.number <= 1 and not residue.icode
 

@@ -29,6 +29,7 @@ from loopelastica.report.model_pdb import no_room, pdb_text
 from loopelastica.report.model_structure import ModelStructure
 from loopelastica.report.pdb import pdb_name
 from loopelastica.report.protonation import protonate, with_5_phosphates
+from loopelastica.report.records import ATOMS_COLUMNS
 from loopelastica.report.sdf import write_sdf
 
 
@@ -129,6 +130,11 @@ class LoopAtoms:
         """The columns of ranking.csv on the atoms of one candidate; empty cells if it has none."""
         found = next((m for m in self.models if m.rank == rank), None)
         return {n: None if found is None else value(found) for n, value in _COLUMNS.items()}
+
+    def figures(self, rank: int) -> dict[str, Any]:
+        """Of these columns the few that the table of a run has."""
+        columns = self.columns(rank)
+        return {name: columns[name] for name in ATOMS_COLUMNS}
 
     def sticks(self, rank: int) -> Array | None:
         """Bonds (m, 2, 3) of one candidate's atoms in the coordinates of the file, Å."""

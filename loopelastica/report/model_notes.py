@@ -78,7 +78,9 @@ def _on_all(atoms: LoopAtoms, source: Source) -> Iterator[str]:
     yield f"MODELLED: {_span(atoms)}, SEQUENCE {_loop(atoms)}, IN THE PAIR {hairpin.label}"
     yield "ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL"
     yield "B FACTOR OF THE LOOP: 8 PI^2/3 OF THE EXPECTED ERROR SQUARED"
-    yield "HYDROGENS: " + ("ALL NUCLEOTIDES HAVE THEM" if atoms.hydrogens else "NONE")
+    yield "HYDROGENS: " + (
+        "ALL THE INPUT HAS, AND THOSE OF NUCLEOTIDES WITHOUT" if atoms.hydrogens else "NONE"
+    )
     if atoms.names != "pdb":
         yield f"NAMES OF NUCLEOTIDES AND THEIR ATOMS: {atoms.names.upper()}"
     yield from (f"NOTE: {sentence}" for sentence in atoms.remarks)
@@ -98,18 +100,21 @@ def _on_models(atoms: LoopAtoms, models: Sequence[AtomModel]) -> Iterator[str]:
         )
         if model.rmsd_A is not None:
             yield f" BACKBONE RMSD TO THE LOOP OF THE INPUT {model.rmsd_A:.2f} A"
+    for model in atoms.models:
+        if not model.checks.sound:
+            yield f"CANDIDATE {model.rank} IS NOT SOUND AND LEFT OUT: {because(model)}"
 
 
 def sentences(atoms: LoopAtoms) -> Iterator[str]:
-    """What a user should be aware of: candidates that are not sound, a contact not reached.
+    """What a user should be aware of: no sound candidate, a contact not reached.
 
     Parameters
     ----------
     atoms : LoopAtoms
     """
+    if not atoms.written:
+        yield "no candidate has sound atoms; atoms.json says why, and no structure is written"
     for model in atoms.models:
-        if not model.checks.sound:
-            yield f"candidate {model.rank} is not sound and left out: {because(model)}"
         apart = contact_A(model)
         if atoms.contact is not None and apart is not None and apart > CONTACT_A:
             yield (

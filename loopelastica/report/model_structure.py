@@ -99,8 +99,8 @@ class ModelStructure:
     def long_names(self) -> list[str]:
         """A name for each part that is not empty, for mmCIF."""
         known = [pdb_name(part[0].chain or part[0].segment) for part in self.parts]
-        free = next(name for name in _labels() if name not in known)
-        return [name or free for name in known]
+        free = (name for name in _labels() if name not in known)
+        return [name or next(free) for name in known]
 
     @cached_property
     def polymer_ends(self) -> list[int]:
@@ -245,15 +245,19 @@ def _is_polymer(residue: Any, own: Residue, bonded: Any) -> bool:
         return False
     if own.nucleotide is not None and bonded[own.nucleotide].any():
         return True
-    # a nucleotide by itself is a ligand
-    return own.nucleotide is None and residue.entity_type == gemmi.EntityType.Polymer
+    # a nucleotide or an amino acid by itself is a ligand
+    if own.nucleotide is not None:
+        return False
+    return residue.entity_type == gemmi.EntityType.Polymer or (own.is_peptide and not own.is_het)
 
 
 def _polymer_type(strand: Sequence[Residue], chain: Any) -> Any:
     import gemmi
 
     if all(residue.nucleotide is None for residue in strand):
-        return gemmi.check_polymer_type(chain.get_polymer())
+        kind = chain.get_polymer().check_polymer_type()
+        peptide = kind == gemmi.PolymerType.Unknown and any(r.is_peptide for r in strand)
+        return gemmi.PolymerType.PeptideL if peptide else kind
     sugars = {residue.is_dna for residue in strand if residue.nucleotide is not None}
     if len(sugars) > 1:
         return gemmi.PolymerType.DnaRnaHybrid

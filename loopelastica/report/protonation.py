@@ -1,8 +1,8 @@
 """Hydrogens and 5' phosphates of the nucleotides in the files.
 
-A nucleotide of the input that has all hydrogens, under today's names, keeps them where they are;
-any other, and the built loop, gets them anew. Those near the loop are placed for each model, the
-others once.
+Hydrogens of the input stay where they are, and what a nucleotide lacks is added. Where some lack
+and others have names that are not today's, the nucleotide gets all of them anew. Those near the
+loop are placed for each model, the others once.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.hydrogens import Hydrogens, add_hydrogens
+from loopelastica.atoms.terminals import PHOSPHATE_5, phosphate_remark, phosphates_at_5
 from loopelastica.molecule.nucleotides import enumerated
 from loopelastica.molecule.polymer import Monomer
 from loopelastica.report.assembly import HYDROGEN, Assembly, Atom, Residue
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from loopelastica.atoms.model import AtomModel
     from loopelastica.report.atoms import LoopAtoms
 
-PHOSPHATE_5: Final = ("P", "OP1", "OP2", "OP3", "HOP2", "HOP3", "HP", "H5T")
 _NEAR_A: Final = 8.0
 """Hydrogens of nucleotides this near to the loop are placed for each model."""
 
@@ -44,23 +44,20 @@ def with_5_phosphates(assembly: Assembly, atoms: LoopAtoms) -> None:
         It is changed.
     atoms : LoopAtoms
     """
-    found = [
-        residue
-        for row, residue in assembly.nucleotides.items()
-        if not assembly.bonded[row, 0] and any(atom.name == "P" for atom in residue.atoms)
-    ]
-    if not found:
-        return
-    named = enumerated([residue.label for residue in found])
-    if not atoms.no_5_phosphate:
-        assembly.remarks.append(
-            f"5' phosphate at {named}: force fields have no template for it; --no-5-phosphate takes"
-            " it off"
-        )
-        return
-    for residue in found:
-        residue.atoms = [atom for atom in residue.atoms if atom.name not in PHOSPHATE_5]
-    assembly.remarks.append(f"the 5' phosphate was taken off at {named}")
+    nucleotides = assembly.nucleotides
+    residues = list(nucleotides.values())
+    monomers = [_monomer(residue, atoms, atoms.written[0]) for residue in residues]
+    bonded = [(bool(five), bool(three)) for five, three in assembly.bonded[list(nucleotides)]]
+    found = phosphates_at_5(monomers, bonded)
+    if found and atoms.no_5_phosphate:
+        for k in found:
+            # a file may call the acid's own hydrogen HO5'
+            gone = {*PHOSPHATE_5, "HO5'"}
+            residues[k].atoms = [atom for atom in residues[k].atoms if atom.name not in gone]
+        named = enumerated([monomers[k].label for k in found])
+        assembly.remarks.append(f"the 5' phosphate was taken off at {named}")
+    else:
+        assembly.remarks += [phosphate_remark(monomers[k]) for k in found]
 
 
 def protonate(assembly: Assembly, atoms: LoopAtoms) -> None:
@@ -78,7 +75,8 @@ def protonate(assembly: Assembly, atoms: LoopAtoms) -> None:
     rows = list(nucleotides)
     others_A = _others(assembly, atoms)
     loop_A = np.concatenate([m.positions_A[m.molecule.loop_atoms] for m in atoms.written])
-    near, far = [], []
+    near: list[int] = []
+    far: list[int] = []
     for row in rows:
         residue = nucleotides[row]
         is_near = residue.built is not None or _is_near(residue, atoms, loop_A)
@@ -92,35 +90,50 @@ def protonate(assembly: Assembly, atoms: LoopAtoms) -> None:
 
     fixed = added(far, first)
     of_models = [added(near, model) for model in atoms.written]
-    kept: list[int] = []
-    replaced: list[str] = []
-    for which, hydrogens in ((far, fixed), (near, of_models[0])):
-        for row, new in zip(which, hydrogens, strict=True):
-            residue = nucleotides[row]
-            if residue.hydrogens and (residue.hydrogens >= set(new)):
-                kept.append(row)
-                continue
-            if residue.hydrogens:
-                replaced.append(residue.label)
+    new_of = {
+        row: new
+        for which, hydrogens in ((far, fixed), (near, of_models[0]))
+        for row, new in zip(which, hydrogens, strict=True)
+    }
+    completed, replaced = [], []
+    for row in rows:
+        residue, new = nucleotides[row], list(new_of[row])
+        odd, lacking = residue.hydrogens.difference(new), set(new) - residue.hydrogens
+        if residue.hydrogens and lacking:
+            (replaced if odd else completed).append(residue.label)
+        if odd and lacking:
             residue.atoms = [atom for atom in residue.atoms if atom.element not in HYDROGEN]
-            residue.atoms += [Atom(name, "H") for name in new]
-    own = set(kept)
+        _give(residue, [name for name in new if name not in residue.hydrogens])
     assembly.hydrogens_A = [
         {
             (row, name): at
             for which, hydrogens in ((far, fixed), (near, of_model))
             for row, new in zip(which, hydrogens, strict=True)
-            if row not in own
             for name, at in new.items()
         }
         for of_model in of_models
     ]
     assembly.remarks += [*fixed.remarks, *of_models[0].remarks]
+    if completed:
+        assembly.remarks.append(
+            f"hydrogens that the file lacks are added at {enumerated(completed)}"
+        )
     if replaced:
         assembly.remarks.append(
-            f"the file's own hydrogens were not complete, or had other names, at"
+            "the file's own hydrogens are not complete and have other names at"
             f" {enumerated(replaced)}; they are placed anew"
         )
+
+
+def _give(residue: Residue, names: Sequence[str]) -> None:
+    """Hydrogens that a nucleotide lacks."""
+    heavy = [atom for atom in residue.atoms if atom.element not in HYDROGEN]
+    for atom in heavy:
+        if f"H{atom.name}" in names:
+            # it is no anion with a hydrogen
+            atom.charge = 0
+    b_factor = round(sum(atom.b_factor for atom in heavy) / max(len(heavy), 1), 2)
+    residue.atoms += [Atom(name, "H", b_factor=b_factor) for name in names]
 
 
 def _heavy_A(residue: Residue, atoms: LoopAtoms, model: AtomModel) -> Array:
