@@ -19,7 +19,7 @@ longer, for the shortest hydrogen bonds come out too short there, N2–O2 of G·
 
 The fibre of A-RNA has C2' of a nucleotide and C8 or C6 of the next one 3.48 Å apart, and so H2' and
 H8 or H6 1.6 Å. In the crystals they are 3.87 Å apart (median of 1,165 steps; H2' 2.1 Å), and here.
-In the fibre of B-DNA it is 3.76 Å (38 steps of 1BJH, 1AC7 and 1JVE: 3.71 Å), which wobbles keep too.
+The fibre of B-DNA has 3.76 Å (38 steps of 1BJH, 1AC7 and 1JVE: 3.71 Å), which wobbles keep too.
 """
 
 from __future__ import annotations
