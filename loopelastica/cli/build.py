@@ -2,9 +2,10 @@
 
 import os
 import re
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from loopelastica.atoms.hairpin import FoldedHairpin
     from loopelastica.atoms.sequence import HairpinSequence
     from loopelastica.folding.result import LoopFold
+    from loopelastica.report.atoms import LoopAtoms
     from loopelastica.report.folder import Folders
 
 # what has a folder or a suffix in it is meant as a path
@@ -52,15 +54,11 @@ def build(
             "--mismatches", help="Take nucleotides that do not pair into the stem, where they fit."
         ),
     ] = False,
-    hydrogens: Annotated[
-        bool, typer.Option("--hydrogens", help="Give all nucleotides their hydrogens.")
-    ] = False,
-    names: Annotated[
-        str,
-        typer.Option(help="Names of nucleotides and atoms in the files: 'pdb', 'amber', 'charmm'."),
-    ] = "pdb",
-    plot: o.Plot = True,
     contact: o.Contact = None,
+    hydrogens: o.Hydrogens = False,
+    names: o.Names = "pdb",
+    separate: o.Separate = False,
+    plot: o.Plot = True,
 ) -> None:
     """Build hairpins from their sequences alone: ideal stem, folded loop, atoms.
 
@@ -74,8 +72,8 @@ def build(
     with o.usage():
         check_contact(contact)
         check_names("names", names)
-    files = {"hydrogens": hydrogens, "names": names}
-    options = _Options(rna, candidates, phosphate, mismatches, plot, contact, files)
+    written = {"hydrogens": hydrogens, "names": names, "separate": separate}
+    options = _Options(rna, candidates, phosphate, mismatches, plot, contact, written)
     if _is_path(sequence):
         o.refuse((structure is not None, "STRUCTURE goes without a FASTA file"))
         _build_all(Path(sequence), out, options)
@@ -93,7 +91,22 @@ class _Options:
     mismatches: bool
     plot: bool
     contact: str | None
-    files: dict[str, Any]
+    written: dict[str, Any]
+
+
+class _Built(NamedTuple):
+    """One hairpin that is done."""
+
+    name: str
+    atoms: "LoopAtoms"
+    folder: Path
+
+    @property
+    def failure(self) -> str | None:
+        """Why nothing of it can be used."""
+        if self.atoms.written:
+            return None
+        return f"{self.name}: no candidate is sound; {self.folder / 'atoms.json'} says why"
 
 
 def _is_path(text: str) -> bool:
@@ -106,13 +119,13 @@ def _is_path(text: str) -> bool:
 def _build_one(hairpin: "HairpinSequence", out: Path, options: _Options) -> None:
     from loopelastica._files import make_folder
     from loopelastica.report.folder import Folders
-    from loopelastica.report.tables import console, fold_table
 
     folded = _folded(hairpin, options)
     make_folder(out)
-    folder = _write(hairpin.letters, folded, Folders(out), options)
-    console().print(fold_table([(hairpin.letters, folded.fold, folder)]))
-    o.note(folded.structure.remarks)
+    built = _write(hairpin.letters, folded, Folders(out), options)
+    _show([built], [])
+    o.note([*folded.structure.remarks, *built.atoms.remarks])
+    o.fail([built.failure] if built.failure else [])
 
 
 def _build_all(path: Path, out: Path, options: _Options) -> None:
@@ -127,38 +140,44 @@ def _build_all(path: Path, out: Path, options: _Options) -> None:
     from loopelastica.batch.workers import attempt
     from loopelastica.molecule.fasta import Entry, read_fasta
     from loopelastica.report.folder import Folders
-    from loopelastica.report.tables import console, fold_table
 
-    entries = read_fasta(path)
-    folders = Folders(out)
+    entries, folders = read_fasta(path), Folders(out)
+    done: list[_Built] = []
     rows: list[dict[str, Any]] = []
     failures: list[dict[str, str]] = []
-    shown: list[tuple[str, LoopFold | str, Path | None]] = []
-    notes: list[str] = []
 
-    def build_next(entry: Entry) -> None:
+    def build_next(entry: Entry) -> _Built:
         read = read_sequence(entry.text, rna=options.rna, mismatches=options.mismatches)
-        folded = _folded(read, options)
-        folder = _write(entry.name, folded, folders, options)
-        rows.extend({**r, "folder": folder.name} for r in loop_rows(entry.name, folded.fold))
-        shown.append((entry.name, folded.fold, folder))
-        notes.extend(f"{entry.name}: {remark}" for remark in folded.structure.remarks)
+        return _write(entry.name, _folded(read, options), folders, options)
 
     with alone_in(out):
         check_tables(out, "summary")
         try:
             for entry in tqdm(entries, disable=len(entries) < 2, unit="hairpin", leave=False):
-                said = attempt(build_next, entry).failure
+                outcome = attempt(build_next, entry)
+                said, built = outcome.failure, outcome.value
+                if built is not None:
+                    done.append(built)
+                    rows += [
+                        {**row, **built.atoms.figures(row["rank"]), "folder": built.folder.name}
+                        for row in loop_rows(entry.name, built.atoms.fold)
+                    ]
+                    said = built.failure
                 if said is not None:
-                    failure = in_options(said.removeprefix(f"{entry}: "))
-                    failures.append({"file": entry.name, "failure": f"{entry}: {failure}"})
-                    shown.append((entry.name, failure, None))
+                    sentence = f"{entry}: {in_options(said.removeprefix(f'{entry}: '))}"
+                    failures.append({"file": entry.name, "failure": sentence})
         finally:
             # what is done has its rows, however the run ends
             write_csv(out / "summary.csv", rows, COLUMNS)
             write_csv(out / "failures.csv", failures, FAILURE_COLUMNS)
-    console().print(fold_table(shown))
-    o.note(notes)
+    _show(done, [failure["file"] for failure in failures])
+    o.note(
+        [
+            f"{built.name}: {remark}"
+            for built in done
+            for remark in (*built.atoms.structure.remarks, *built.atoms.remarks)
+        ]
+    )
     o.fail_of_many([failure["failure"] for failure in failures], out)
 
 
@@ -168,16 +187,26 @@ def _folded(hairpin: "HairpinSequence", options: _Options) -> "FoldedHairpin":
     return fold_sequence(hairpin, max_candidates=options.candidates, phosphate=options.phosphate)
 
 
-def _write(name: str, folded: "FoldedHairpin", folders: "Folders", options: _Options) -> Path:
+def _write(name: str, folded: "FoldedHairpin", folders: "Folders", options: _Options) -> _Built:
     """Build the atoms and write the folder of one hairpin."""
     from loopelastica._names import safe_name
     from loopelastica.cli.atoms import atoms_of
     from loopelastica.report.folder import write_fold
 
-    built = atoms_of(folded.structure, folded.fold, folded.positions_A, options.contact)
-    built = replace(built, **options.files)
+    structure, fold = folded.structure, folded.fold
+    atoms = atoms_of(structure, fold, folded.positions_A, options.contact, **options.written)
     # a name has no suffix, whatever dots are in it
-    folder = folders.claim(Path(f"{safe_name(name, 150)}.fasta"), folded.fold)
-    source = str(folded.sequence)
-    write_fold(folder, source, folded.fold, folded.structure, options.plot, atoms=built)
-    return folder
+    folder = folders.claim(Path(f"{safe_name(name, 150)}.fasta"), fold)
+    write_fold(folder, str(folded.sequence), fold, structure, options.plot, atoms=atoms)
+    return _Built(name, atoms, folder)
+
+
+def _show(done: "Sequence[_Built]", failed: Sequence[str]) -> None:
+    from loopelastica.report.tables import atoms_table, console, fold_table
+
+    shown: list[tuple[str, LoopFold | str, Path | None]] = []
+    shown += [(built.name, built.atoms.fold, built.folder) for built in done]
+    shown += [(name, "", None) for name in failed if name not in {built.name for built in done}]
+    console().print(fold_table(shown))
+    if done:
+        console().print(atoms_table([(built.name, built.atoms) for built in done]))

@@ -1,13 +1,13 @@
 """Hydrogens and 5' phosphates of the nucleotides in the files.
 
-A nucleotide of the input that has all hydrogens, under today's names, keeps them where they are;
-any other, and the built loop, gets them anew. Those near the loop are placed for each model, the
-others once.
+Hydrogens of the input stay where they are, and what a nucleotide lacks is added. Where some lack
+and others have names that are not today's, the nucleotide gets all of them anew. Those near the
+loop are placed for each model, the others once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -51,8 +51,9 @@ def with_5_phosphates(assembly: Assembly, atoms: LoopAtoms) -> None:
     found = phosphates_at_5(monomers, bonded)
     if found and atoms.no_5_phosphate:
         for k in found:
-            left = [atom for atom in residues[k].atoms if atom.name not in PHOSPHATE_5]
-            residues[k].atoms = left
+            # a file may call the acid's own hydrogen HO5'
+            gone = {*PHOSPHATE_5, "HO5'"}
+            residues[k].atoms = [atom for atom in residues[k].atoms if atom.name not in gone]
         named = enumerated([monomers[k].label for k in found])
         assembly.remarks.append(f"the 5' phosphate was taken off at {named}")
     else:
@@ -94,42 +95,45 @@ def protonate(assembly: Assembly, atoms: LoopAtoms) -> None:
         for which, hydrogens in ((far, fixed), (near, of_models[0]))
         for row, new in zip(which, hydrogens, strict=True)
     }
-    kept, replaced = set(), []
+    completed, replaced = [], []
     for row in rows:
-        residue, new = nucleotides[row], new_of[row]
-        if residue.hydrogens and residue.hydrogens >= set(new):
-            kept.add(row)
-            continue
-        if residue.hydrogens:
-            replaced.append(residue.label)
-        _give(residue, new)
+        residue, new = nucleotides[row], list(new_of[row])
+        odd, lacking = residue.hydrogens.difference(new), set(new) - residue.hydrogens
+        if residue.hydrogens and lacking:
+            (replaced if odd else completed).append(residue.label)
+        if odd and lacking:
+            residue.atoms = [atom for atom in residue.atoms if atom.element not in HYDROGEN]
+        _give(residue, [name for name in new if name not in residue.hydrogens])
     assembly.hydrogens_A = [
         {
             (row, name): at
             for which, hydrogens in ((far, fixed), (near, of_model))
             for row, new in zip(which, hydrogens, strict=True)
-            if row not in kept
             for name, at in new.items()
         }
         for of_model in of_models
     ]
     assembly.remarks += [*fixed.remarks, *of_models[0].remarks]
+    if completed:
+        assembly.remarks.append(
+            f"hydrogens that the file lacks are added at {enumerated(completed)}"
+        )
     if replaced:
         assembly.remarks.append(
-            f"the file's own hydrogens were not complete, or had other names, at"
+            "the file's own hydrogens are not complete and have other names at"
             f" {enumerated(replaced)}; they are placed anew"
         )
 
 
-def _give(residue: Residue, hydrogens: Mapping[str, Array]) -> None:
-    """Hydrogens in place of those that a nucleotide has."""
+def _give(residue: Residue, names: Sequence[str]) -> None:
+    """Hydrogens that a nucleotide lacks."""
     heavy = [atom for atom in residue.atoms if atom.element not in HYDROGEN]
     for atom in heavy:
-        if f"H{atom.name}" in hydrogens:
+        if f"H{atom.name}" in names:
             # it is no anion with a hydrogen
             atom.charge = 0
     b_factor = round(sum(atom.b_factor for atom in heavy) / max(len(heavy), 1), 2)
-    residue.atoms = [*heavy, *(Atom(name, "H", b_factor=b_factor) for name in hydrogens)]
+    residue.atoms += [Atom(name, "H", b_factor=b_factor) for name in names]
 
 
 def _heavy_A(residue: Residue, atoms: LoopAtoms, model: AtomModel) -> Array:

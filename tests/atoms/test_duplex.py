@@ -108,6 +108,24 @@ def test_sugars_are_those_of_the_helix(text, phase):
         assert pseudorotation(*ring)[0] == pytest.approx(phase, abs=10.0)
 
 
+@pytest.mark.parametrize("text", [*STEMS.values(), *DNA.values()], ids=[*STEMS, *DNA])
+def test_neighbours_leave_room_for_their_hydrogens(text):
+    read = read_sequence(text)
+    stem, last = duplex(read), len(read.residues) - 1
+    for k in (*range(1, read.pairs), *range(last - read.pairs + 2, last + 1)):
+        before, at = stem.atoms(k - 1), stem.atoms(k)
+        base = at["C8" if read.residues[k].letter in "AG" else "C6"]
+        # 3.48 Å in the fibre of RNA, where its H2' would be 1.6 Å from H8 or H6
+        least = 3.4 if read.is_dna else 3.7
+        assert least < np.linalg.norm(before["C2'"] - base) < 4.3
+
+
+@pytest.mark.parametrize("text", ["A(TTT)A", "G(UUU)C", "U(UUU)G"])
+def test_a_stem_may_have_one_rung(text):
+    stem = duplex(read_sequence(text, mismatches=True))
+    assert np.isfinite(stem.positions_A).all()
+
+
 def test_a_stem_of_one_sequence_is_one_stem():
     first, second = (duplex(read_sequence("GGUAC(UUCG)GUGCC")) for _ in range(2))
     assert first.positions_A.tobytes() == second.positions_A.tobytes()

@@ -108,6 +108,7 @@ def test_hairpins_of_a_fasta_file_are_built_apart(tmp_path):
     }  # fmt: skip
     with (out / "summary.csv").open() as file:
         rows = list(csv.DictReader(file))
+    assert {row["atoms_sound"] for row in rows} == {"True"}
     assert [(row["file"], row["kind"], row["folder"]) for row in rows] == [
         ("uucg", "RNA", "uucg_A6-9"),
         ("a/b.1", "DNA", "a_b.1_A4-6"),
