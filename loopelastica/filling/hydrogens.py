@@ -331,8 +331,9 @@ def _add(
         elif new:
             added.append(_riding(model.index, one, new, occupancy))
     yield from found.remarks[:MANY]
-    if len(found.remarks) > MANY:
-        yield f"{len(found.remarks) - MANY} more nucleotides did not get all their hydrogens"
+    more = len(found.remarks) - MANY
+    if more > 0:
+        yield f"{more} more nucleotide{'s do' if more > 1 else ' does'} not get all hydrogens"
 
 
 def _lacking(

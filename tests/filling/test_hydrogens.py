@@ -230,11 +230,26 @@ def test_an_unknown_nucleotide_is_named(tmp_path):
     assert hydrogens(out)["3"]
 
 
-def test_many_nucleotides_without_all_hydrogens_are_counted(tmp_path):
-    gone = [(k, name) for k in range(8, 13) for name in ("C4'",)]
-    path = gapped.gapped(tmp_path / "a.pdb", gone)
-    remarks = le.fill(path, hydrogens=True).remarks
-    assert len([one for one in remarks if "it gets no hydrogens there" in one]) <= 3
+@pytest.mark.parametrize(
+    ("n", "rest"),
+    [
+        (3, ()),
+        (4, ("1 more nucleotide does not get all hydrogens",)),
+        (6, ("3 more nucleotides do not get all hydrogens",)),
+    ],
+)
+def test_many_nucleotides_without_all_hydrogens_are_counted(tmp_path, n, rest):
+    path = gapped.gapped(tmp_path / "a.pdb", ())
+    lines = path.read_text().splitlines()
+    unknown = {f"{k:4d}" for k in range(4, 4 + n)}
+    for k, line in enumerate(lines):
+        if line.startswith("ATOM") and line[22:26] in unknown:
+            lines[k] = f"{line[:17]}XQZ{line[20:]}"
+    path.write_text("\n".join(line for line in lines if not line.startswith("SEQRES")))
+    remarks = le.fill(path, hydrogens=True, no_5_phosphate=True).remarks
+    named = [one for one in remarks if "XQZ is not in the table of hydrogens" in one]
+    assert len(named) == 3
+    assert remarks[-len(rest) :] == rest if rest else remarks[-1] == named[-1]
 
 
 def test_old_names_of_atoms_stay_in_their_spelling(tmp_path):
