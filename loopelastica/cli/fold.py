@@ -268,7 +268,7 @@ def _fold_file(
     full = WholeStructure(structure) if loops and with_whole else None
     sentences += [
         f"chain {chain} is {letter} in the PDB files that are written"
-        for chain, letter in renamed(structure.nucleotides.chain.tolist()).items()
+        for chain, letter in renamed(structure).items()
     ]
     if not loops:
         results.notes += [f"{file}: {sentence}" for sentence in sentences]

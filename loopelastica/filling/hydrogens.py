@@ -6,7 +6,7 @@ chain. So they are worked out when all that changes in a file is known, for each
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -101,28 +101,47 @@ def hydrogenated(
         One sentence for each thing that a user should be aware of.
     """
     options = filling.options
-    added = list(changes.added)
-    removed = list(changes.removed)
-    remarks: list[str] = []
+    added, removed = list(changes.added), list(changes.removed)
+    said: dict[str, list[int]] = {}
     for index in range(filling.entry.n_models):
+        if not _is_concerned(filling, index):
+            continue
         model = _model(filling, index, rank, changes)
         removed += _strays(model)
-        said: list[str] = []
+        remarks: list[str] = []
         if not options.hydrogens and model.built and any(model.there.values()):
-            said.append(
+            remarks.append(
                 "the file's nucleotides have hydrogens and what was built has none, for hydrogens"
                 " were not requested"
             )
         if options.no_5_phosphate:
             removed += _without_phosphates(model, filling.entry, added)
         elif options.hydrogens:
-            said += _refused_phosphates(model)
+            remarks += _refused_phosphates(model)
         if options.hydrogens:
-            said += _add(model, _around(filling.entry, model, changes), added, occupancy)
-        many = filling.entry.n_models > 1
-        remarks += (f"model {index + 1}: {one}" if many else one for one in said)
+            remarks += _add(model, _around(filling.entry, model, changes), added, occupancy)
+        for remark in remarks:
+            said.setdefault(remark, []).append(index + 1)
     changed = replace(changes, added=tuple(added), removed=tuple(dict.fromkeys(removed)))
-    return changed, tuple(remarks)
+    return changed, tuple(_of_models(said, filling.entry.n_models))
+
+
+def _is_concerned(filling: Filling, index: int) -> bool:
+    """Whether there is anything to do in a model."""
+    options = filling.options
+    if options.hydrogens or options.no_5_phosphate:
+        return True
+    built = {strand.model for strand in filling.filled}
+    built |= {completion.model for completion in filling.completions}
+    built |= {repair.model for repair in filling.repairs}
+    return index + 1 in built and bool(filling.entry.model(index).has_hydrogen())
+
+
+def _of_models(said: Mapping[str, Sequence[int]], n_models: int) -> Iterator[str]:
+    """Sentences with the models that they are about, where that is not each of them."""
+    for sentence, own in said.items():
+        which = f"model {own[0]}" if len(own) == 1 else f"{len(own)} models"
+        yield sentence if len(own) == n_models else f"{which}: {sentence}"
 
 
 def _model(filling: Filling, index: int, rank: int, changes: Changes) -> _Model:
@@ -201,23 +220,25 @@ def _strays(model: _Model) -> Iterator[Removed]:
         if one.label not in labels:
             continue
         ended = [name for name, bonded in (("O3'", after), ("O5'", "P" in one.atoms_A)) if bonded]
-        free = [at for name, at in one.atoms_A.items() if name not in ended]
-        yield from _without_carrier(model, one, free)
+        yield from _without(model, one, ended)
 
 
-def _without_carrier(model: _Model, one: Monomer, carriers_A: Sequence[Array]) -> Iterator[Removed]:
-    """Leave out the hydrogens of a nucleotide that none of some atoms carries."""
+def _without(model: _Model, one: Monomer, carriers: Collection[str]) -> Iterator[Removed]:
+    """Leave out the hydrogens of a nucleotide on some of its atoms, and those on none."""
     there = model.there.get(one.label, [])
     model.there[one.label] = []
     for hydrogen in there:
-        if any(_carries(at, hydrogen) for at in carriers_A):
-            model.there[one.label].append(hydrogen)
-        else:
+        if _carrier(one, hydrogen) in {None, *carriers}:
             yield _removed(model, one, hydrogen.name)
+        else:
+            model.there[one.label].append(hydrogen)
 
 
-def _carries(at_A: Array, hydrogen: _There) -> bool:
-    return float(np.linalg.norm(at_A - hydrogen.at_A)) < CARRIED_A
+def _carrier(one: Monomer, hydrogen: _There) -> str | None:
+    """The atom that a hydrogen of the file is bonded to; None where it is bonded to none."""
+    away = {name: float(np.linalg.norm(at - hydrogen.at_A)) for name, at in one.atoms_A.items()}
+    nearest = min(away, key=lambda name: away[name])
+    return nearest if away[nearest] < CARRIED_A else None
 
 
 def _refused_phosphates(model: _Model) -> Iterator[str]:
@@ -242,7 +263,7 @@ def _without_phosphates(
                     yield _removed(model, one, atom.name)
     for one in places.values():
         model.now[one.label] = without_phosphate(one)
-        yield from _without_carrier(model, one, list(model.now[one.label].atoms_A.values()))
+        yield from _without(model, one, PHOSPHATE_5)
         # its O5' is free for a hydrogen
         model.built.add(one.label)
     added[:] = [
@@ -310,8 +331,9 @@ def _add(
         elif new:
             added.append(_riding(model.index, one, new, occupancy))
     yield from found.remarks[:MANY]
-    if len(found.remarks) > MANY:
-        yield f"{len(found.remarks) - MANY} more nucleotides did not get all their hydrogens"
+    more = len(found.remarks) - MANY
+    if more > 0:
+        yield f"{more} more nucleotide{'s do' if more > 1 else ' does'} not get all hydrogens"
 
 
 def _lacking(
@@ -321,7 +343,7 @@ def _lacking(
     if not there:
         return dict(hydrogens)
     carrier = carriers(one)
-    full = {x for x, at in one.atoms_A.items() if any(_carries(at, h) for h in there)}
+    full = {_carrier(one, hydrogen) for hydrogen in there}
     names = {atom_name(h.name) for h in there}
     return {x: at for x, at in hydrogens.items() if carrier[x] not in full and x not in names}
 
