@@ -32,8 +32,9 @@ _END_5: Final = re.compile(r"^\s*5\s*['’′]\s*[-–]?")
 _END_3: Final = re.compile(r"[-–]?\s*3\s*['’′]\s*$", re.MULTILINE)
 # as programs for secondary structure write it behind theirs
 _ENERGY: Final = re.compile(r"\(\s*[-+]?\d+\.\d+\s*\)\s*$")
-_NUCLEOTIDE: Final = re.compile(r"\[\s*\w[^\[\]]*\]|[^\s.()\[\]{}<>]")
-_TOKEN: Final = re.compile(r"\[(?P<name>\s*\w[^\[\]]*)\]|(?P<one>.)", re.DOTALL)
+_NAME: Final = r"\[\s*(?P<name>[A-Za-z0-9]{1,5})\s*\]"
+_NUCLEOTIDE: Final = re.compile(rf"{_NAME}|[^\s.()\[\]{{}}<>]")
+_TOKEN: Final = re.compile(rf"{_NAME}|(?P<one>.)", re.DOTALL)
 # of ribonucleotides and of deoxyribonucleotides; the others are of both
 _ONLY: Final = {"U": False, "T": True}
 # the second methyl group takes the place of the hydrogen that a pair needs
@@ -218,7 +219,7 @@ def _tokens(sequence: str) -> list[str]:
     for found in _TOKEN.finditer(sequence):
         name, one = found["name"], found["one"]
         if name is not None:
-            tokens.append(name.strip().upper())
+            tokens.append(name.upper())
         elif one in "()" or (one.isascii() and one.isalpha()):
             tokens.append(one.upper())
         elif not one.isspace():

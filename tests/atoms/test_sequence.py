@@ -92,6 +92,8 @@ def test_a_kind_that_contradicts_the_letters_is_refused(text, rna, said):
         ("GGN(UUU)NCC", None, r"N \(nucleotide 3\) is no known nucleotide"),
         ("GG[](UUU)CC", None, r"'\[', character 3"),
         ("GG[5MC(UUU)GCC", None, r"'\[', character 3"),
+        ("GG[UUCG loop]CC", None, r"'\[', character 3"),
+        ("GG[5M\nC](UUU)GCC", None, r"'\[', character 3"),
         ("(UUU)GCC", None, "no strand before the loop"),
         ("GGC(UUU)", None, "no strand behind the loop"),
         ("GGC(UUU)GCC(UUU)GCC", None, "it must be two strands"),
