@@ -126,6 +126,9 @@ def best_on(site: Site, line: Curve, limits: Limits) -> tuple[Attempt, list[Turn
     first = _combinations(site, line, max(limits.tries, 3))
     attempts: list[Attempt] = []
     for curve, turns, line_sd in _schedule(site, line, first):
+        # where the line itself leads to few sound models, one is enough
+        if len(attempts) >= len(first) and any(attempt.good for attempt in attempts):
+            break
         attempts.append(_attempt(problem, curve, turns, line_sd, limits, end))
         if sum(attempt.good for attempt in attempts) == limits.tries or time.monotonic() > end:
             break
