@@ -11,7 +11,7 @@ from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.report.folder import Folders, is_there, write_fold
-from loopelastica.report.records import candidate_row
+from loopelastica.report.records import ATOMS_COLUMNS, candidate_row
 
 _LOOP = ("file", "loop", "kind", "closing_pair", "sequence", "nucleotides")
 _CLAMP = ("stem_extend_5", "stem_extend_3", "taper", "length_per_nucleotide_A")
@@ -21,7 +21,7 @@ _SHAPE = (
     *("rmsd_A", "rmsd_models_mean_A", "rmsd_models_sd_A", "n_models", "length_A"),
     *("touching", "stem_contact_A", "self_contact_A", "twist_turns"),
 )
-COLUMNS = (*_LOOP, *_CLAMP, "stem_rms_A", *_SHAPE, "folder")
+COLUMNS = (*_LOOP, *_CLAMP, "stem_rms_A", *_SHAPE, *ATOMS_COLUMNS, "folder")
 
 
 def fold_file(task: Task) -> Record:
@@ -70,7 +70,7 @@ def loop_rows(source: Path | str, loop: LoopFold) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        In the columns `COLUMNS`, without ``folder``.
+        In the columns `COLUMNS`, without ``folder`` and what atoms have.
     """
     assert loop.ends is not None
     hairpin = loop.hairpin

@@ -1,17 +1,11 @@
-"""``loopelastica build``: a hairpin from its sequence; and atoms with a progress bar."""
+"""``loopelastica build``: a hairpin from its sequence."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from loopelastica.cli import options as o
-
-if TYPE_CHECKING:
-    from loopelastica._arrays import Array
-    from loopelastica.folding.result import LoopFold
-    from loopelastica.molecule.nucleotides import Structure
-    from loopelastica.report.atoms import LoopAtoms
 
 
 def build(
@@ -30,6 +24,7 @@ def build(
     from loopelastica._files import make_folder
     from loopelastica.atoms.sequence import fold_sequence
     from loopelastica.atoms.turn import check_contact
+    from loopelastica.cli.atoms import atoms_of
     from loopelastica.report.folder import Folders, write_fold
     from loopelastica.report.tables import console, fold_table
 
@@ -44,39 +39,3 @@ def build(
     folder = Folders(out).claim(Path(name), loop)
     write_fold(folder, sequence, loop, structure, plot, atoms=built)
     console().print(fold_table([(name, loop, folder)]))
-
-
-def atoms_of(
-    structure: "Structure", loop: "LoopFold", positions: "Array", contact: str | None
-) -> "LoopAtoms":
-    """Atoms of all candidates, with a progress bar.
-
-    Parameters
-    ----------
-    structure : Structure
-        What was folded.
-    loop : LoopFold
-        One of its loops.
-    positions : (n_atoms, 3) array
-        Of all atoms, Å.
-    contact : str or None
-        As for :func:`build_atoms`.
-
-    Returns
-    -------
-    LoopAtoms
-    """
-    from tqdm import tqdm
-
-    from loopelastica.atoms.model import build_atoms
-    from loopelastica.report.atoms import LoopAtoms
-
-    with tqdm(total=len(loop.candidates), unit="model", leave=False) as bar:
-        models = build_atoms(
-            structure,
-            loop,
-            positions=positions,
-            contact=contact,
-            progress=lambda done, total: bar.update(),
-        )
-    return LoopAtoms(structure, loop, tuple(models), positions, contact)

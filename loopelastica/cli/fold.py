@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from loopelastica.folding.options import FoldOptions
     from loopelastica.folding.result import LoopFold
     from loopelastica.report.folder import Folders
+    from loopelastica.report.tables import LoopModels
 
 
 def fold(
@@ -52,6 +53,10 @@ def fold(
         bool, typer.Option("--atoms", help="Build the loop's atoms on every candidate's line.")
     ] = False,
     contact: o.Contact = None,
+    hydrogens: o.Hydrogens = False,
+    names: o.Names = "pdb",
+    no_5_phosphate: o.NoPhosphate = False,
+    separate: o.Separate = False,
 ) -> None:
     """Fold every hairpin loop of the files; write tables, traces and a picture per hairpin.
 
@@ -64,6 +69,10 @@ def fold(
     o.refuse(
         (torsion_ratio is not None and not darboux, "--torsion-ratio needs --darboux"),
         (contact is not None and not atoms, "--contact needs --atoms"),
+        (hydrogens and not atoms, "--hydrogens needs --atoms"),
+        (names != "pdb" and not atoms, "--names needs --atoms"),
+        (no_5_phosphate and not atoms, "--no-5-phosphate needs --atoms"),
+        (separate and not atoms, "--separate needs --atoms"),
         (many and atoms, "--atoms goes without --jobs and --scheduler"),
         (many and whole is True, "--whole goes without --jobs and --scheduler"),
         o.either(jobs, scheduler),
@@ -92,10 +101,12 @@ def fold(
             loop=loop or (),
             **o.limits(max_size, max_atoms),
         )
-        if contact is not None:
+        if atoms:
+            from loopelastica.atoms.conventions import check_names
             from loopelastica.atoms.turn import check_contact
 
             check_contact(contact)
+            check_names("names", names)
     if options.like is not None:
         from loopelastica.folding.like import check_loops
 
@@ -108,7 +119,13 @@ def fold(
     if many:
         _fold_many(files, out, options, plot, jobs or 1, scheduler)
     else:
-        _fold_each(files, out, options, _Output(plot, whole, atoms, contact))
+        written = {
+            "hydrogens": hydrogens,
+            "names": names,
+            "no_5_phosphate": no_5_phosphate,
+            "separate": separate,
+        }
+        _fold_each(files, out, options, _Output(plot, whole, contact, written if atoms else None))
 
 
 def _fold_many(
@@ -153,8 +170,9 @@ class _Output:
 
     plot: bool
     whole: bool | None
-    atoms: bool
     contact: str | None
+    # None: no atoms
+    atoms: dict[str, Any] | None
 
 
 @dataclass
@@ -162,6 +180,7 @@ class _Results:
     """What became of the files: for the screen, for the tables, and to be said."""
 
     shown: "list[tuple[str, LoopFold | str, Path | None]]" = field(default_factory=list)
+    built: "list[tuple[str, LoopModels]]" = field(default_factory=list)
     rows: list[dict[str, Any]] = field(default_factory=list)
     failures: list[dict[str, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -189,7 +208,7 @@ def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Out
     from loopelastica.batch.run import check_tables, distinct
     from loopelastica.batch.workers import attempt
     from loopelastica.report.folder import Folders
-    from loopelastica.report.tables import console, fold_table
+    from loopelastica.report.tables import atoms_table, console, fold_table
 
     files, notes = distinct(files)
     results, folders = _Results(notes=notes), Folders(out)
@@ -220,6 +239,8 @@ def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Out
         results.write(out)
         results.notes += _of_earlier_runs(out, results.rows)
     console().print(fold_table(results.shown))
+    if results.built:
+        console().print(atoms_table(results.built))
     o.note(results.notes)
     o.fail([failure["failure"] for failure in results.failures])
 
@@ -228,7 +249,7 @@ def _fold_file(
     file: str, options: "FoldOptions", folders: "Folders", results: _Results, output: _Output
 ) -> None:
     from loopelastica.batch.folds import loop_rows
-    from loopelastica.cli.build import atoms_of
+    from loopelastica.cli.atoms import atoms_of
     from loopelastica.errors import LoopelasticaError, StructureError
     from loopelastica.folding.fold import fold_hairpins
     from loopelastica.molecule.hairpins import find_hairpins
@@ -236,6 +257,7 @@ def _fold_file(
     from loopelastica.report.folder import write_fold
     from loopelastica.report.listing import remarks
     from loopelastica.report.pdb import WHOLE_ATOMS, WholeStructure, renamed
+    from loopelastica.report.tables import LoopModels
 
     path = Path(file)
     structure = read_structure(file, options.limits)
@@ -247,7 +269,7 @@ def _fold_file(
     full = WholeStructure(structure) if loops and with_whole else None
     sentences += [
         f"chain {chain} is {letter} in the PDB files that are written"
-        for chain, letter in renamed(structure.nucleotides.chain.tolist()).items()
+        for chain, letter in renamed(structure).items()
     ]
     if not loops:
         results.notes += [f"{file}: {sentence}" for sentence in sentences]
@@ -261,8 +283,10 @@ def _fold_file(
             continue
         folder, built = folders.claim(path, loop), None
         try:
-            if output.atoms:
-                built = atoms_of(structure, loop, structure.positions(0), output.contact)
+            if output.atoms is not None:
+                first = structure.positions(0)
+                built = atoms_of(structure, loop, first, output.contact, **output.atoms)
+                sentences += [f"{loop.hairpin.label}: {remark}" for remark in built.remarks]
         except LoopelasticaError as error:
             results.failed(file, f"{file}: {error}")
         try:
@@ -271,7 +295,11 @@ def _fold_file(
             results.failed(file, str(error))
             results.shown.append((path.name, str(error), None))
             continue
-        results.rows += [{**row, "folder": folder.name} for row in loop_rows(file, loop)]
+        rows = loop_rows(file, loop)
+        if built is not None:
+            rows = [{**row, **built.figures(row["rank"])} for row in rows]
+            results.built.append((path.name, LoopModels(loop, built.models)))
+        results.rows += [{**row, "folder": folder.name} for row in rows]
         results.shown.append((path.name, loop, folder))
         sentences += loop.remarks
     results.notes += [f"{file}: {sentence}" for sentence in sentences]

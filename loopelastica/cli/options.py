@@ -139,6 +139,32 @@ Contact = Annotated[
     typer.Option(help="With atoms, seek a 'sheared' or 'watson-crick' pair of the loop's ends."),
 ]
 
+Hydrogens = Annotated[
+    bool,
+    typer.Option(
+        "--hydrogens",
+        help="With atoms, give every nucleotide its hydrogens; without, nothing in the files has"
+        " any.",
+    ),
+]
+Names = Annotated[
+    str,
+    typer.Option(
+        help="With atoms, names of nucleotides and their atoms: 'pdb', 'amber' or 'charmm'."
+    ),
+]
+NoPhosphate = Annotated[
+    bool,
+    typer.Option(
+        "--no-5-phosphate",
+        help="With atoms, take off phosphates at 5' ends of chains, which force fields refuse.",
+    ),
+]
+Separate = Annotated[
+    bool,
+    typer.Option("--separate", help="With atoms, write each candidate into files of its own too."),
+]
+
 Jobs = Annotated[
     int | None,
     typer.Option(help="Processes of a local dask cluster (extra `scale`); resumable.", min=1),

@@ -19,7 +19,8 @@ _SUGAR = ("C1'", "C3'", "C4'")
 # A substituent at C2' marks the A-form sugars of RNA; 2'-fluoro, -amino and -thio RNA have no O2'.
 RIBO: Final = ("O2'", "F2'", "N2'", "S2'")
 _LONGEST = 32
-_NO_CHAIN = "SYSTEM"  # the segment name MDAnalysis invents where the file has none
+NO_CHAIN: Final = "SYSTEM"
+"""The segment name that MDAnalysis invents where the file has none."""
 
 
 class _Columns(dict[str, int]):
@@ -49,8 +50,8 @@ def recognize(atoms: Any) -> Nucleotides:
     residue_of = np.asarray(atoms.resindices, dtype=np.int64)
     altloc = strings(atoms, "altLocs")
     occupancy = np.asarray(getattr(atoms, "occupancies", np.ones(len(atoms))), dtype=np.float64)
-    preferred = _preferred(residue_of, altloc, occupancy)
-    rows, table = _index_table(atoms.names, residue_of, preferred, len(atoms.universe.residues))
+    chosen = preferred(residue_of, altloc, occupancy)
+    rows, table = _index_table(atoms.names, residue_of, chosen, len(atoms.universe.residues))
     found = _is_nucleotide(table)
     rows, table = rows[found], table[found]
 
@@ -92,12 +93,24 @@ def _is_nucleotide(table: NDArray[np.int64]) -> NDArray[np.bool_]:
     return np.asarray(sugar & (base | _has(table, BACKBONE).all(axis=1)), dtype=np.bool_)
 
 
-def _preferred(
+def preferred(
     residue_of: NDArray[np.int64], altloc: NDArray[np.str_], occupancy: Array
 ) -> NDArray[np.bool_]:
-    """Mark the atoms without altloc and those of the one altloc chosen in each residue."""
-    preferred: NDArray[np.bool_] = np.asarray(altloc == "", dtype=np.bool_)
-    alternative = np.flatnonzero(~preferred)
+    """Mark the atoms without altloc and those of the one altloc chosen in each residue.
+
+    Parameters
+    ----------
+    residue_of : (n,) array of int
+        Residue of each atom.
+    altloc : (n,) array of str
+    occupancy : (n,) array
+
+    Returns
+    -------
+    (n,) array of bool
+    """
+    found: NDArray[np.bool_] = np.asarray(altloc == "", dtype=np.bool_)
+    alternative = np.flatnonzero(~found)
     alternative = alternative[np.argsort(residue_of[alternative], kind="stable")]
     for here in np.split(alternative, np.flatnonzero(np.diff(residue_of[alternative])) + 1):
         if len(here) == 0:
@@ -106,8 +119,8 @@ def _preferred(
         means = [occupancy[here[altloc[here] == letter]].mean() for letter in letters]
         # Occupancies come in hundredths: rounding keeps a tie a tie.
         chosen = letters[int(np.argmax(np.round(means, 4)))]
-        preferred[here[altloc[here] == chosen]] = True
-    return preferred
+        found[here[altloc[here] == chosen]] = True
+    return found
 
 
 def _index_table(
@@ -142,7 +155,7 @@ def _taken(altloc: NDArray[np.str_], table: NDArray[np.int64]) -> NDArray[np.str
 def chains_of(atoms: Any) -> NDArray[np.str_]:
     """Chain identifiers, else segment identifiers, else "" for each atom."""
     segment = strings(atoms, "segids")
-    segment[segment == _NO_CHAIN] = ""
+    segment[segment == NO_CHAIN] = ""
     chain = strings(atoms, "chainIDs")
     return np.where(chain == "", segment, chain)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
+from loopelastica.molecule._recognition import chains_of, preferred, strings
 from loopelastica.molecule.ends import StemEnds
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.nucleotides import Structure
@@ -42,7 +43,7 @@ def waters(structure: Structure) -> NDArray[np.bool_]:
 def solid(structure: Structure) -> NDArray[np.bool_]:
     """Heavy atoms but water, of alternative locations one."""
     hydrogen = np.isin(elements(structure), ["H", "D"])
-    return np.asarray(~(hydrogen | waters(structure)) & _one_altloc(structure))
+    return np.asarray(~(hydrogen | waters(structure)) & one_location(structure))
 
 
 def _resnames(structure: Structure) -> NDArray[np.str_]:
@@ -51,17 +52,46 @@ def _resnames(structure: Structure) -> NDArray[np.str_]:
     return np.char.upper(np.char.strip(np.asarray(names, dtype=object).astype(str)))
 
 
-def _one_altloc(structure: Structure) -> NDArray[np.bool_]:
-    """Leave one of the alternative locations: the one the nucleotides were read from, else A."""
+def one_location(structure: Structure) -> NDArray[np.bool_]:
+    """Which atoms are left where of alternative locations one is taken.
+
+    In each residue it is the one of highest mean occupancy, as the nucleotides were read; where
+    residues of different names share a place, one of them is left: the nucleotide that was read,
+    else that of highest occupancy.
+
+    Parameters
+    ----------
+    structure : Structure
+        What was read.
+
+    Returns
+    -------
+    (n_atoms,) array of bool
+    """
     atoms = structure.universe.atoms
-    altloc = np.asarray(getattr(atoms, "altLocs", np.zeros(len(atoms), "U1")), dtype=object)
-    altloc = np.char.strip(altloc.astype(str))
-    chosen = np.full(len(structure.universe.residues), "A", dtype=altloc.dtype)
-    table = structure.nucleotides.atom_index
-    read = table[table >= 0]
-    read = read[altloc[read] != ""]
-    chosen[atoms.resindices[read]] = altloc[read]
-    return np.asarray((altloc == "") | (altloc == chosen[atoms.resindices]))
+    altloc = strings(atoms, "altLocs")
+    if not (altloc != "").any():
+        return np.ones(len(atoms), dtype=np.bool_)
+    occupancy = np.asarray(getattr(atoms, "occupancies", np.ones(len(atoms))), dtype=np.float64)
+    residue = np.asarray(atoms.resindices, dtype=np.int64)
+    left = preferred(residue, altloc, occupancy)
+    read = structure.nucleotides.atom_index.max(axis=1)
+    nucleotides = set(residue[read].tolist())
+    chain, icode = chains_of(atoms), strings(structure.universe.residues, "icodes")
+    rivals: dict[tuple[str, int, str], list[int]] = {}
+    for here in dict.fromkeys(residue[altloc != ""].tolist()):
+        mine = np.flatnonzero(residue == here)
+        if (altloc[mine] != "").all():
+            place = (str(chain[mine[0]]), int(atoms.resids[mine[0]]), str(icode[here]))
+            rivals.setdefault(place, []).append(here)
+    for residues in rivals.values():
+        if len(residues) > 1:
+            best = max(
+                residues,
+                key=lambda r: (r in nucleotides, round(occupancy[left & (residue == r)].mean(), 4)),
+            )
+            left &= (residue == best) | ~np.isin(residue, residues)
+    return np.asarray(left, dtype=np.bool_)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from loopelastica._arrays import Array
 from loopelastica._checks import whole
 from loopelastica.errors import StructureError
-from loopelastica.molecule._recognition import recognize
+from loopelastica.molecule._recognition import NO_CHAIN, recognize, strings
 from loopelastica.molecule._topology import ATOM_NAMES, BACKBONE, RING, Nucleotides
 from loopelastica.molecule.reading import (
     MAX_ATOMS,
@@ -41,6 +41,7 @@ __all__ = [
     "BACKBONE",
     "MAX_ATOMS",
     "MAX_SIZE_MB",
+    "NO_CHAIN",
     "RING",
     "Limits",
     "Nucleotides",
@@ -54,6 +55,7 @@ __all__ = [
     "pdb_records",
     "quiet",
     "read_structure",
+    "strings",
 ]
 
 LINK_MAX_A = 2.5

@@ -63,9 +63,9 @@ def with_categories(block: Any, written: Written, plan: Plan, changes: Changes) 
     _drop_residues(block, written, plan)
     _observe(block, written, plan)
     if changes.software is not None:
-        _add_software(block, *changes.software)
+        add_software(block, *changes.software)
     if changes.notes:
-        _add_remark(block, changes.lines)
+        add_remark(block, changes.lines)
 
 
 def text_of(value: str) -> str:
@@ -282,7 +282,16 @@ def _fill_scheme(block: Any, written: Written, residues: list[AddedResidue]) -> 
 # --- who did it -----------------------------------------------------------------------------------
 
 
-def _add_software(block: Any, name: str, version: str) -> None:
+def add_software(block: Any, name: str, version: str) -> None:
+    """Add a program that has built atoms, if it is not among those of the file.
+
+    Parameters
+    ----------
+    block : gemmi.cif.Block
+        It is changed.
+    name, version : str
+        Of the program.
+    """
     columns = _columns(block, "_software.")
     known = zip(_texts(columns, "name"), _texts(columns, "version"), strict=True)
     if (name, version) in known:
@@ -297,8 +306,16 @@ def _add_software(block: Any, name: str, version: str) -> None:
     _appended(block, "_software.", values)
 
 
-def _add_remark(block: Any, notes: Sequence[str]) -> None:
-    """The notes as remark 99, after what that remark says already."""
+def add_remark(block: Any, notes: Sequence[str]) -> None:
+    """Write notes as remark 99, after what that remark says already.
+
+    Parameters
+    ----------
+    block : gemmi.cif.Block
+        It is changed.
+    notes : sequence of str
+        One sentence each, or a line of its own.
+    """
     category = "_database_PDB_remark."
     lines = [line for note in notes for line in textwrap.wrap(note, 80)]
     # a line that begins so would end the text

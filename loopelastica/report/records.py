@@ -18,6 +18,12 @@ from loopelastica.molecule.hairpins import Hairpin
 LINE_POINTS = 101
 """Points of line.csv and of the plots, per candidate."""
 
+ATOMS_COLUMNS = (
+    *("atoms_sound", "atoms_worst_bond_A", "atoms_worst_angle_deg", "atoms_closest_A"),
+    "atoms_rmsd_A",
+)
+"""Columns on a candidate's atoms in the table of a run; empty where none were built."""
+
 
 def rmsd_summary(candidate: Candidate) -> tuple[float | None, float | None, int]:
     """Mean and standard deviation (n − 1) over the models that have this rank, and their number."""

@@ -1,8 +1,8 @@
 """Tables on the screen, by rich."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rich.console import Console
 from rich.table import Table
@@ -10,9 +10,11 @@ from rich.table import Table
 from loopelastica._names import printable
 
 if TYPE_CHECKING:
+    from loopelastica.atoms.model import AtomModel
     from loopelastica.folding.library import Library
     from loopelastica.folding.result import LoopFold
     from loopelastica.folding.scan import LoopScan
+    from loopelastica.report.atoms import LoopAtoms
     from loopelastica.rod.equilibria import Equilibria
 
 
@@ -76,6 +78,55 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
                 "" if c.rmsd_A is None else f"{c.rmsd_A:.2f}",
                 models,
                 str(folder) if first else "",
+            )
+        table.add_section()
+    return table
+
+
+class LoopModels(NamedTuple):
+    """What the table of atoms shows of a loop; without its structure, for many can be kept."""
+
+    fold: "LoopFold"
+    models: "tuple[AtomModel, ...]"
+
+
+def atoms_table(results: "Sequence[tuple[str, LoopModels | LoopAtoms]]") -> Table:
+    """Atoms that were built, a row per candidate.
+
+    Parameters
+    ----------
+    results : sequence of (str, LoopModels or LoopAtoms)
+        Name of the file, and what was built in it.
+
+    Returns
+    -------
+    rich.table.Table
+    """
+    table = Table(
+        title="Atoms: largest deviation of a bond and of an angle from ideal, closest contact."
+        " Candidates that are not sound are not written. Nucleotides in reasons count from 1 in"
+        " the loop. RMSD: backbone, without superposition, where the file has the loop.",
+        title_justify="left",
+    )
+    for name in ("file", "closing pair"):
+        table.add_column(name, overflow="fold")
+    table.add_column("rank", justify="right")
+    table.add_column("sound", overflow="fold", min_width=16)
+    for name in ("bond (Å)", "angle (°)", "contact (Å)", "RMSD (Å)"):
+        table.add_column(name, justify="right")
+    for name, built in results:
+        for k, model in enumerate(built.models):
+            checks = model.checks
+            _add_row(
+                table,
+                "" if k else name,
+                "" if k else built.fold.hairpin.label,
+                str(model.rank),
+                "yes" if checks.sound else f"no: {'; '.join(checks.wrong)}",
+                f"{checks.worst_bond_A:.3f}",
+                f"{checks.worst_angle_deg:.1f}",
+                f"{checks.closest_A:.2f}",
+                "" if model.rmsd_A is None else f"{model.rmsd_A:.2f}",
             )
         table.add_section()
     return table

@@ -300,6 +300,11 @@ def test_an_option_out_of_range_is_refused(tmp_path):
     ("arguments", "sentence"),
     [
         (("--contact", "sheared"), "--contact needs --atoms"),
+        (("--hydrogens",), "--hydrogens needs --atoms"),
+        (("--names", "amber"), "--names needs --atoms"),
+        (("--no-5-phosphate",), "--no-5-phosphate needs --atoms"),
+        (("--separate",), "--separate needs --atoms"),
+        (("--atoms", "--names", "gromos"), "--names is 'gromos'"),
         (("--torsion-ratio", "0.7"), "--torsion-ratio needs --darboux"),
         (("--jobs", "2", "--atoms"), "--atoms goes without --jobs"),
         (("--jobs", "2", "--whole"), "--whole goes without --jobs"),
@@ -312,6 +317,51 @@ def test_an_option_without_what_it_needs_is_refused(tmp_path, arguments, sentenc
     assert result.exit_code == 2
     assert sentence in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_atoms_are_written_as_a_force_field_takes_them(tmp_path):
+    result = run(
+        *("fold", HAIRPIN, "-o", tmp_path, "--first-model", "--shapes", "rod", "--candidates", "1"),
+        *("--no-plot", "--atoms", "--hydrogens", "--names", "amber", "--no-5-phosphate"),
+        "--separate",
+    )
+    assert result.exit_code == 0, result.output
+    assert "Atoms: largest deviation" in result.stdout
+    assert "note: " in result.output
+    assert "the 5' phosphate was taken off at A.G1" in result.output
+    folder = tmp_path / "2koc_A6-9"
+    for name in ("atoms.pdb", "atoms_1.pdb"):
+        atoms = [one for one in (folder / name).read_text().splitlines() if one.startswith("ATOM")]
+        assert {one[17:20].strip() for one in atoms} == {"G5", "G", "C", "A", "U", "C3"}
+        assert {one[22:26] for one in atoms if one[76:78] == " H"} == {one[22:26] for one in atoms}
+    (ranked,), (row,) = table(folder / "ranking.csv"), table(tmp_path / "summary.csv")
+    assert row["atoms_sound"] == "True"
+    content = json.loads((folder / "atoms.json").read_text())
+    (candidate,) = content["candidates"]
+    for column, name in (
+        ("atoms_worst_bond_A", "worst_bond_A"),
+        ("atoms_worst_angle_deg", "worst_angle_deg"),
+        ("atoms_closest_A", "closest_contact_A"),
+    ):
+        assert float(row[column]) == float(ranked[column]) == candidate[name]
+    assert content["hydrogens"] is True
+    assert content["names"] == "amber"
+    written = json.loads((folder / "ranking.json").read_text())["written"]["atoms"]
+    assert written == {
+        "contact": None, "hydrogens": True, "names": "amber", "no_5_phosphate": True,
+        "separate": True,
+    }  # fmt: skip
+
+
+def test_a_5_phosphate_is_named_where_it_stays(tmp_path):
+    result = run(
+        *("fold", HAIRPIN, "-o", tmp_path, "--first-model", "--shapes", "rod", "--candidates", "1"),
+        *("--no-plot", "--atoms"),
+    )
+    assert "A.G1: its 5' phosphate is refused" in result.output
+    content = json.loads((tmp_path / "2koc_A6-9" / "atoms.json").read_text())
+    assert any("A.G1" in remark for remark in content["remarks"])
+    assert "5' phosphate" in (tmp_path / "2koc_A6-9" / "atoms.pdb").read_text()
 
 
 def test_the_package_runs_as_a_module():

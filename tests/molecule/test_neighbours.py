@@ -5,7 +5,7 @@ import pytest
 
 from loopelastica.molecule.ends import stem_ends
 from loopelastica.molecule.hairpins import find_hairpins
-from loopelastica.molecule.neighbours import neighbours
+from loopelastica.molecule.neighbours import neighbours, one_location
 from loopelastica.molecule.nucleotides import read_structure
 
 
@@ -80,3 +80,17 @@ def test_atoms_without_a_place_are_nowhere(koc):
     ends = stem_ends(koc.nucleotides, hairpin, koc.positions(0))
     nowhere = np.full_like(koc.positions(0), np.nan)
     assert neighbours(koc).around(hairpin, ends, np.zeros((1, 3)), nowhere) is None
+
+
+def test_one_location_is_left_whatever_its_letter(tmp_path, koc_lines):
+    path = tmp_path / "alternatives.pdb"
+    place = np.array([60.0, 60.0, 60.0])
+    ligand = [
+        line
+        for altloc in "BC"
+        for line in hetero("LIG", 1, [("C1", "C", place), ("C2", "C", place + 1.5)], altloc)
+    ]
+    path.write_text("\n".join([*koc_lines, *ligand, "END", ""]))
+    left = one_location(read_structure(path))
+    assert left[: len(koc_lines)].all()
+    assert left[len(koc_lines) :].tolist() == [True, True, False, False]

@@ -47,3 +47,17 @@ def gap_folder():
     if not folder.is_dir():
         pytest.skip("the structures with gaps are not beside this checkout (../shared/gaps)")
     return folder
+
+
+@pytest.fixture
+def of_lines(tmp_path, atoms):
+    """The built loop of 2KOC in a file of other lines, whose nucleotides are the same."""
+    from loopelastica.report.atoms import LoopAtoms
+
+    def made(lines, name="lines.pdb", models=atoms.models, **options):
+        path = tmp_path / name
+        path.write_text("\n".join([*lines, "END", ""]))
+        structure = read_structure(path)
+        return LoopAtoms(structure, atoms.fold, models, structure.positions(0), **options)
+
+    return made

@@ -1,3 +1,4 @@
+import dataclasses
 import json
 import warnings
 
@@ -29,10 +30,13 @@ def test_stem_atoms_keep_number_name_and_every_digit_of_their_place(folder):
     loop = {"6", "7", "8", "9"}
 
     def identity(line):
-        # MDAnalysis puts short residue names at the left of their three columns
-        return line[12:17], line[17:20].strip(), line[21:27], line[27:54]
+        return line[12:27], line[27:54], line[54:66]
 
-    stem = [identity(line) for line in source if line[22:26].strip() not in loop]
+    stem = [
+        identity(line)
+        for line in source
+        if line[22:26].strip() not in loop and line[76:78].strip() != "H"
+    ]
     assert [identity(line) for line in written if line[22:26].strip() not in loop] == stem
     assert len(written) > len(stem)
 
@@ -104,7 +108,13 @@ def test_the_report_is_json_with_every_check(folder, atoms):
     assert content["models"] == [m.rank for m in atoms.written]
     assert content["nucleotides"][0] == {"file": "A.U6", "built": "U"}
     first = content["candidates"][0]
+    checks = atoms.models[0].checks
     assert first["status"] == "converged"
+    assert first["sound"] is True
+    assert first["not_sound_because"] == []
+    assert first["worst_bond_A"] == checks.worst_bond_A
+    assert first["worst_angle_deg"] == checks.worst_angle_deg
+    assert first["closest_contact_A"] == checks.closest_A
     assert first["checks"]["sound"] is True
     assert len(first["checks"]["pucker"]) == 4
     assert len(first["alternatives"]) == 2
@@ -143,7 +153,7 @@ def test_no_name_of_a_chain_or_a_residue_breaks_a_record(tmp_path, write_cif):
     (fold,) = le.fold(structure, all_models=False, max_candidates=1)
     (model,) = le.build_atoms(structure, fold)
     write_atoms(tmp_path, LoopAtoms(structure, fold, (model,), structure.positions(0)))
-    known = ("ATOM  ", "HEADER", "TITLE ", "REMARK", "CRYST1", "MODEL ", "ENDMDL", "CONECT", "END")
+    known = ("ATOM  ", "HEADER", "TITLE ", "REMARK", "MODEL ", "ENDMDL", "CONECT", "END")
     lines = (tmp_path / "atoms.pdb").read_text(encoding="ascii").splitlines()
     assert all(line.startswith((*known, "TER")) for line in lines)
     assert {line[17:21].strip() for line in records(tmp_path / "atoms.pdb")} == {"G_X", *"ACGU"}
@@ -166,3 +176,109 @@ def test_the_b_factors_of_the_loop_are_the_error_to_expect(folder, atoms):
     expected = f"EXPECTED ERROR {middle:.1f} A (80 % BETWEEN {low:.1f} AND {high:.1f})"
     for text in ("CANDIDATE 1: straight rod", expected):
         assert any(text in s for s in remarks)
+
+
+def unsound(model):
+    checks = dataclasses.replace(
+        model.checks, worst_angle_deg=12.3, worst_angle="1:C4'–1:O4'–1:C1'"
+    )
+    return dataclasses.replace(model, checks=checks)
+
+
+def test_what_is_not_sound_is_left_out_with_the_reason(of_lines, koc_lines, atoms, tmp_path):
+    first, second = atoms.models
+    one = of_lines(koc_lines, models=(unsound(first), second), separate=True)
+    write_atoms(tmp_path, one)
+    content = json.loads((tmp_path / "atoms.json").read_text())
+    assert content["models"] == [2]
+    assert content["candidates"][0]["sound"] is False
+    assert content["candidates"][0]["not_sound_because"] == ["angle 1:C4'–1:O4'–1:C1' off by 12°"]
+    assert content["candidates"][0]["worst_angle_deg"] == 12.3
+    text = (tmp_path / "atoms.pdb").read_text()
+    assert "MODEL 1: CANDIDATE 2" in text
+    assert "CANDIDATE 1 IS NOT SOUND AND LEFT OUT" in text
+    assert text.count("\nMODEL  ") == 1
+    assert not (tmp_path / "atoms_1.pdb").exists()
+    assert one.columns(1)["atoms_not_sound_because"] == "angle 1:C4'–1:O4'–1:C1' off by 12°"
+
+
+def test_where_nothing_is_sound_only_the_report_is_written(of_lines, koc_lines, atoms, tmp_path):
+    none = of_lines(koc_lines, models=tuple(map(unsound, atoms.models)), hydrogens=True)
+    out = tmp_path / "out"
+    out.mkdir()
+    write_atoms(out, none)
+    assert [path.name for path in out.iterdir()] == ["atoms.json"]
+    assert (
+        "no candidate has sound atoms" in json.loads((out / "atoms.json").read_text())["remarks"][0]
+    )
+    with pytest.raises(ValueError, match="no sound one"):
+        write_pdb(out / "atoms.pdb", none)
+    assert [path.name for path in out.iterdir()] == ["atoms.json"]
+
+
+def test_each_candidate_has_files_of_its_own_on_request(of_lines, koc_lines, tmp_path):
+    gemmi = pytest.importorskip("gemmi")
+    atoms = of_lines(koc_lines, separate=True)
+    out = tmp_path / "out"
+    out.mkdir()
+    write_atoms(out, atoms)
+    whole = gemmi.read_structure(str(out / "atoms.pdb"))
+    for number, model in enumerate(atoms.written):
+        for kind in ("pdb", "cif"):
+            (one,) = gemmi.read_structure(str(out / f"atoms_{model.rank}.{kind}"))
+            for mine, same in zip(one.all(), whole[number].all(), strict=True):
+                assert mine.atom.name == same.atom.name
+                assert mine.atom.pos.dist(same.atom.pos) < 1e-6
+                assert mine.atom.b_iso == pytest.approx(same.atom.b_iso, abs=0.006)
+
+
+def test_what_the_pdb_format_cannot_hold_is_mmcif_alone(of_lines, koc_lines, tmp_path, monkeypatch):
+    monkeypatch.setattr("loopelastica.report.model_pdb.LAST_SERIAL", 100)
+    atoms = of_lines(koc_lines, separate=True)
+    out = tmp_path / "out"
+    out.mkdir()
+    write_atoms(out, atoms)
+    names = {path.name for path in out.iterdir()}
+    assert names == {"atoms.json", "atoms.cif", "loop.sdf", "atoms_1.cif", "atoms_2.cif"}
+    assert "atoms.pdb is not written" in json.loads((out / "atoms.json").read_text())["remarks"][-1]
+
+
+@pytest.mark.parametrize(
+    ("convention", "names", "atom"),
+    [
+        ("amber", {"G5", "G", "C", "A", "U", "C3"}, "HO5'"),
+        ("charmm", {"GUA", "CYT", "ADE", "URA"}, "H5T"),
+    ],
+)
+def test_names_are_those_of_a_force_field_on_request(
+    of_lines, koc_lines, convention, names, atom, tmp_path
+):
+    atoms = of_lines(koc_lines, hydrogens=True, no_5_phosphate=True, names=convention)
+    write_pdb(tmp_path / "named.pdb", atoms)
+    lines = records(tmp_path / "named.pdb")
+    assert {line[17:20].strip() for line in lines} == names
+    assert atom in {line[12:16].strip() for line in lines if int(line[22:26]) == 1}
+    with pytest.raises(ValueError, match="`names` is 'gromos'"):
+        of_lines(koc_lines, names="gromos")
+
+
+def test_a_contact_that_was_not_reached_is_said(of_lines, koc_lines, atoms):
+    class Checks:
+        contact_A = 3.9
+
+        def __getattr__(self, name):
+            return getattr(atoms.models[0].checks, name)
+
+    far = dataclasses.replace(atoms.models[0], checks=Checks())
+    remarks = of_lines(koc_lines, models=(far,), contact="sheared").remarks
+    assert any("candidate 1 did not reach the sheared pair" in one for one in remarks)
+    assert any("up to 3.9 Å long, not 3.2 Å" in one for one in remarks)
+    assert not any("sheared" in one for one in of_lines(koc_lines, models=(far,)).remarks)
+
+
+def test_the_figures_of_a_run_are_among_the_columns(atoms):
+    figures = atoms.figures(1)
+    assert figures["atoms_sound"] is True
+    assert figures["atoms_worst_bond_A"] == atoms.models[0].checks.worst_bond_A
+    assert figures.items() <= atoms.columns(1).items()
+    assert set(atoms.figures(99).values()) == {None}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from loopelastica.report.tables import console, fold_table, hairpins_table
+from loopelastica.report.tables import atoms_table, console, fold_table, hairpins_table
 
 
 def shown(table):
@@ -66,3 +66,20 @@ def test_a_shape_is_named_after_a_file_and_breaks_no_line(chains):
     assert "\x1b" not in text
     assert r"\x1b[2J" in text
     assert "[red]x" in text
+
+
+def test_the_table_of_atoms_says_what_is_sound_and_why_others_are_not(atoms):
+    first, second = atoms.models
+    checks = dataclasses.replace(first.checks, worst_bond_A=0.123, worst_bond="2:O3'–3:P")
+    odd = dataclasses.replace(first, checks=checks)
+    text = shown(atoms_table([("a.pdb", dataclasses.replace(atoms, models=(odd, second)))]))
+    assert "no: bond 2:O3'–3:P off by 0.12 Å" in text
+    assert "0.123" in text
+    assert "yes" in text
+    for figure in (
+        f"{second.checks.worst_bond_A:.3f}",
+        f"{second.checks.worst_angle_deg:.1f}",
+        f"{second.checks.closest_A:.2f}",
+        f"{second.rmsd_A:.2f}",
+    ):
+        assert figure in text
