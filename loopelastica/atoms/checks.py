@@ -20,12 +20,15 @@ from loopelastica.atoms.measures import (
 )
 from loopelastica.atoms.relax import MESSAGES, Status
 from loopelastica.atoms.site import Site
+from loopelastica.atoms.suites import suite_name, suite_torsions
 from loopelastica.molecule.nucleotides import BACKBONE
 
 BOND_TOLERANCE_A: Final = 0.05
 ANGLE_TOLERANCE_DEG: Final = 6.0
 WORST_ANGLE_DEG: Final = 10.0
 CLOSE_A: Final = 2.2
+OUTSIDE: Final = "!!"
+HYDROGEN_BOND_A: Final = 3.2
 METAL_CLOSE_A: Final = 1.9
 """Nearest that nitrogen or oxygen comes to a metal which it may coordinate."""
 _OVERLAP_A: Final = 0.4
@@ -56,6 +59,9 @@ class Checks:
         Centres with the wrong hand, such as "2:C3'".
     pucker_deg, pucker_amplitude_deg, pucker
         Phase of pseudorotation, amplitude and name of each sugar.
+    suites : tuple of str
+        Cluster of the backbone from each sugar to the next of RNA, "!!" outside all of them
+        (:mod:`.suites`); the first is that from the nucleotide before.
     chi_deg, chi
         Glycosidic torsion and "anti" or "syn" of each nucleotide.
     closest_A, closest
@@ -64,6 +70,9 @@ class Checks:
     clashes_per_1000
         Pairs that overlap by 0.4 Å or more, hydrogens left out, per thousand built atoms; nitrogen
         and oxygen as in hydrogen bonds are none.
+    contact_A
+        Longest of the hydrogen bonds of a contact that was sought; None where none was, or the two
+        bases make no such contact.
     line_before_A, line_after_A
         Root mean square distance of the backbone centroids from the line before and after.
     backbone_shift_A
@@ -88,11 +97,13 @@ class Checks:
     pucker_deg: tuple[float, ...]
     pucker_amplitude_deg: tuple[float, ...]
     pucker: tuple[str, ...]
+    suites: tuple[str, ...]
     chi_deg: tuple[float, ...]
     chi: tuple[str, ...]
     closest_A: float
     closest: str
     clashes_per_1000: float
+    contact_A: float | None
     line_before_A: float
     line_after_A: float
     backbone_shift_A: float
@@ -121,6 +132,11 @@ class Checks:
         if self.status != MESSAGES[Status.CONVERGED]:
             found.append(self.status)
         return tuple(found)
+
+    @property
+    def contact_reached(self) -> bool | None:
+        """Whether the hydrogen bonds of a contact that was sought are 3.2 Å long at most."""
+        return None if self.contact_A is None else self.contact_A <= HYDROGEN_BOND_A
 
     @property
     def excess(self) -> float:
@@ -195,11 +211,16 @@ def check(site: Site, positions: Array, line: Array, start: Array, status: Statu
         pucker_deg=tuple(round(phase, 2) for phase, _ in sugars),
         pucker_amplitude_deg=tuple(round(amplitude, 2) for _, amplitude in sugars),
         pucker=tuple(pucker_name(phase) for phase, _ in sugars),
+        suites=tuple(
+            suite_name(torsions) or OUTSIDE
+            for torsions in suite_torsions(positions, geometry.suites)
+        ),
         chi_deg=tuple(round(value, 2) for value in chi),
         chi=tuple("syn" if abs(value) < 90.0 else "anti" for value in chi),
         closest_A=closest,
         closest=" and ".join(site.label(row) for row in pair),
         clashes_per_1000=1000.0 * clashes / max(int(site.moving.sum()), 1),
+        contact_A=_contact(site, positions),
         line_before_A=_from_line(start, backbone, line),
         line_after_A=_from_line(positions, backbone, line),
         backbone_shift_A=_rms(
@@ -289,6 +310,12 @@ def _contacts(site: Site, positions: Array) -> tuple[float, tuple[int, ...], int
         return np.inf, (), 0
     row, column = np.unravel_index(int(every.argmin()), every.shape)
     return float(every[row, column]), (int(row), int(column)), clashes
+
+
+def _contact(site: Site, positions: Array) -> float | None:
+    if len(site.contact_pairs) == 0:
+        return None
+    return float(bond_lengths(positions, site.contact_pairs).max())
 
 
 def _from_line(positions: Array, backbone: list[list[int]], line: Array) -> float:

@@ -20,6 +20,10 @@ _LONG_NAMES: Final = {"ADE": "A", "CYT": "C", "GUA": "G", "URA": "U", "THY": "T"
 
 JUNCTION_5: Final = ("C3'", "O3'")
 JUNCTION_3: Final = ("P", "OP1", "OP2", "O5'", "C5'")
+"""Atoms of the nucleotides before and after that bonds and angles of the junctions have in them."""
+BEYOND_5: Final = ("C5'", "C4'")
+BEYOND_3: Final = ("C4'", "C3'", "O3'")
+"""And those that torsions have, where they are there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,8 +116,23 @@ class LoopMolecule:
         return [row for row, r in enumerate(self.residue) if 0 <= r < self.n]
 
 
-def loop_molecule(residues: Sequence[Residue]) -> LoopMolecule:
+def loop_molecule(
+    residues: Sequence[Residue],
+    beyond_5: Collection[str] = BEYOND_5,
+    beyond_3: Collection[str] = BEYOND_3,
+) -> LoopMolecule:
     """Join nucleotides 5' to 3', with the atoms of the stem that the two junctions touch.
+
+    Parameters
+    ----------
+    residues : sequence of Residue
+        Those of the loop.
+    beyond_5, beyond_3 : collection of str
+        Which of the atoms that torsions alone have are there.
+
+    Returns
+    -------
+    LoopMolecule
 
     Raises
     ------
@@ -124,15 +143,17 @@ def loop_molecule(residues: Sequence[Residue]) -> LoopMolecule:
     --------
     >>> loop = loop_molecule([Residue("U", False, "U"), Residue("G", False, "G")])
     >>> loop.mol.GetNumAtoms(), len(loop.loop_atoms)
-    (50, 43)
+    (55, 43)
     """
     if not residues:
         raise ValueError("`residues` is empty; a loop has at least one nucleotide")
     n = len(residues)
     anything = Residue("U", False, "U")
-    parts: dict[int, tuple[Residue, Collection[str] | None]] = {-1: (anything, JUNCTION_5)}
+    parts: dict[int, tuple[Residue, Collection[str] | None]] = {
+        -1: (anything, (*JUNCTION_5, *beyond_5))
+    }
     parts |= {k: (residue, None) for k, residue in enumerate(residues)}
-    parts[n] = (anything, JUNCTION_3)
+    parts[n] = (anything, (*JUNCTION_3, *beyond_3))
     return strand_molecule(parts, n)
 
 

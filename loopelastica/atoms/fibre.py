@@ -138,15 +138,20 @@ _B_BASES: Final[dict[str, _Cylinder]] = {
 
 
 @lru_cache
-def fibre_nucleotide(letter: str, is_dna: bool) -> dict[str, Array]:
+def fibre_nucleotide(letter: str, is_dna: bool, c2_endo: bool | None = None) -> dict[str, Array]:
     """Atoms of nucleotide 0 of an ideal strand, its axis along z.
+
+    The strand of the other sugar gives the pucker that the own one does not have; what that sugar
+    has more or less (O2') is laid on or left out.
 
     Parameters
     ----------
     letter : str
         A, C, G, U or T.
     is_dna : bool
-        B-DNA, else A-RNA.
+        Deoxyribose, else ribose.
+    c2_endo : bool, optional
+        In the strand of B-DNA (C2'-endo), else of A-RNA (C3'-endo); default that of its own sugar.
 
     Returns
     -------
@@ -167,6 +172,8 @@ def fibre_nucleotide(letter: str, is_dna: bool) -> dict[str, Array]:
     """
     if letter not in "ACGUT" or len(letter) != 1:
         raise ValueError(f"`letter` is {letter!r}; it must be one of A, C, G, U, T")
+    if c2_endo is not None and c2_endo != is_dna:
+        return _other_pucker(letter, is_dna)
     strand = ideal_strand(is_dna)
     backbone = dict(zip(BACKBONE, strand.atoms, strict=True))
     sugar = _B_SUGAR if is_dna else _A_SUGAR
@@ -189,6 +196,14 @@ def fibre_nucleotide(letter: str, is_dna: bool) -> dict[str, Array]:
     for position in atoms.values():
         position.setflags(write=False)
     return atoms
+
+
+def _other_pucker(letter: str, is_dna: bool) -> dict[str, Array]:
+    own, other = fibre_nucleotide(letter, is_dna), fibre_nucleotide(letter, not is_dna)
+    beside = ("C1'", "C2'", "C3'")
+    model, target = (np.array([atoms[name] for name in beside]) for atoms in (own, other))
+    return {name: other[name] if name in other else _moved(model, target, own[name])
+            for name in own}  # fmt: skip
 
 
 def in_line_frame(strand: Strand, position: Array) -> Array:

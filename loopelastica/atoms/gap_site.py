@@ -19,6 +19,7 @@ from loopelastica.atoms.chemistry import (
     atom_names,
     strand_molecule,
 )
+from loopelastica.atoms.geometry import sorts
 from loopelastica.atoms.site import GRID_A, NEIGHBOURHOOD_A, NOBODY, Around, Site, placed
 from loopelastica.errors import StructureError
 from loopelastica.molecule.nucleotides import BACKBONE, RING
@@ -189,7 +190,9 @@ def _around(
     metal = atoms.metal[rows]
     around = Around(
         np.round((atoms.positions_A[rows] - origin) @ frame, GRID_A),
-        np.isin(np.char.upper(atoms.element[rows]), ["N", "O"]) & ~metal,
+        np.where(
+            metal, 0, sorts(np.char.upper(atoms.element[rows]).tolist(), atoms.name[rows].tolist())
+        ),
         metal,
         np.array([owner_of.get(int(r), NOBODY) for r in atoms.residue[rows]], dtype=np.int64),
         np.array(

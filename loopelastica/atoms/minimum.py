@@ -3,31 +3,34 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.checks import puckers
 from loopelastica.atoms.geometry import (
     BOND_SD_A,
+    FLOOR_A,
     NEAREST_1_4_A,
+    NEAREST_A,
     PLANAR_SD_A3,
     PUCKER_SD_A3,
     PUCKERS_DEG,
-    TORSION_SD,
+    SUITE_SD,
     VOLUME_SD_A3,
     chiral_quads,
     everywhere,
-    nearest_A,
     outer_distances,
     ring_quads,
     separations,
+    sorts,
 )
 from loopelastica.atoms.relax import STAGES, Index, Relaxed, Restraints, relax
 from loopelastica.atoms.site import Site
+from loopelastica.atoms.suites import DELTA_DEG, MEANS_DEG, nearest, suite_torsions
 from loopelastica.molecule.nucleotides import BACKBONE
 
 TETHER_SD_A: Final = 2.0
@@ -35,8 +38,13 @@ TETHER_SD_A: Final = 2.0
 LOOSE_LINE_SD_A: Final = 4.0
 """How near the centroids are held to the line where it stands in the way of sound atoms."""
 PIN_SD_A: Final = 0.1
-FLOOR_A: Final = 2.4
-"""Nearer than this no two atoms may be, but for nitrogen or oxygen and a metal."""
+CONTACT_A: Final = 2.9
+CONTACT_SD_A: Final = 0.05
+"""Hydrogen bonds of a contact that is sought, and how near they are held to it."""
+TURNING_SD: Final = 0.1
+"""How near torsions are held that have to turn into a cluster, rad."""
+TURNING_LINE_SD_A: Final = 1.0
+"""And the centroids to the line meanwhile."""
 METAL_POLAR_A: Final = 2.05
 METAL_A: Final = 2.9
 
@@ -53,8 +61,10 @@ class Problem:
     pairs, length_A, length_sd : (p, 2), (p,), (p,) array
     quads, volume, volume_sd : (q, 4), (q,), (q,) array
     torsions, rings, groups : (t, 4), (s, 5), (g, 6) array
-    group_of : (g,) array of int
-        Nucleotide of each group.
+    ring_of, group_of : (s,), (g,) array of int
+        Nucleotide of each ring and group.
+    suites : (u, 7, 4) array
+        Torsions of the suites of RNA.
     least_A, floor_A : (n_moving, N + m) array
     pinned : dict of int to (3,) array
         Where atoms belong whose place all that is there determines, Å.
@@ -73,7 +83,9 @@ class Problem:
     torsions: Index
     rings: Index
     groups: Index
+    ring_of: Index
     group_of: Index
+    suites: Index
     least_A: Array
     floor_A: Array
     pinned: dict[int, Array]
@@ -92,20 +104,29 @@ class Problem:
         }
         groups = {k: rows for k, rows in owned.items() if -1 not in rows}
         least, floor = _least(site, order)
+        contact = site.contact_pairs
         n_chiral, n_planar = len(geometry.chiral), len(geometry.planar)
         return cls(
             site,
             order,
-            new[np.concatenate([geometry.bonds, outer])],
-            np.concatenate([geometry.length_A, outer_A]),
-            np.concatenate([np.full(len(geometry.bonds), BOND_SD_A), outer_sd]),
+            new[np.concatenate([geometry.bonds, outer, contact])],
+            np.concatenate([geometry.length_A, outer_A, np.full(len(contact), CONTACT_A)]),
+            np.concatenate(
+                [
+                    np.full(len(geometry.bonds), BOND_SD_A),
+                    outer_sd,
+                    np.full(len(contact), CONTACT_SD_A),
+                ]
+            ),
             new[np.concatenate([geometry.chiral, geometry.planar])],
             np.concatenate([geometry.volume_A3, np.zeros(n_planar)]),
             np.repeat([VOLUME_SD_A3, PLANAR_SD_A3], [n_chiral, n_planar]),
             new[geometry.torsions],
             new[geometry.rings],
             new[np.array(list(groups.values()), dtype=np.int64).reshape(-1, len(BACKBONE))],
+            np.array(molecule.residue, dtype=np.int64)[geometry.rings[:, 0]],
             np.array(list(groups), dtype=np.int64),
+            new[geometry.suites],
             least,
             floor,
             {int(new[row]): at for row, at in _junction_3(site).items()},
@@ -116,19 +137,25 @@ class Problem:
         centers: Array,
         line_sd: float,
         start: Array,
-        phases_deg: Array | None = None,
+        phases_deg: Array,
+        clusters_deg: Array | None = None,
         stress: Array | float = 1.0,
+        suite_sd: float = SUITE_SD,
     ) -> Restraints:
         """All restraints of one attempt; `start` (N, 3) in rows of the molecule.
 
-        `stress` (p,) makes bonds and angles so many times stiffer than they are.
+        `phases_deg` (s,) are puckers of its sugars, `clusters_deg` (u, 7) torsions of its suites,
+        NaN for those that are free; `stress` (p,) makes bonds and angles so many times stiffer than
+        they are; `suite_sd` is how near torsions of suites are held, rad.
         """
         quads, volume, volume_sd = self.quads, self.volume, self.volume_sd
-        if phases_deg is not None:
-            more, size = ring_quads(self.rings, phases_deg)
+        held = np.isfinite(phases_deg)
+        if held.any():
+            more, size = ring_quads(self.rings[held], phases_deg[held])
             quads = np.concatenate([quads, more])
             volume = np.concatenate([volume, size])
             volume_sd = np.concatenate([volume_sd, np.full(len(more), PUCKER_SD_A3)])
+        torsions, fold, places, torsion_sd = self._torsions(clusters_deg, suite_sd)
         n_moving = len(self.least_A)
         tether, tether_sd = start[self.order[:n_moving]], np.full(n_moving, self.tether_sd)
         for row, at in self.pinned.items():
@@ -141,8 +168,10 @@ class Problem:
             quads=quads,
             volume=volume,
             volume_sd=volume_sd,
-            torsions=self.torsions,
-            torsion_sd=TORSION_SD,
+            torsions=torsions,
+            torsion_fold=fold,
+            torsion_at=places,
+            torsion_sd=torsion_sd,
             groups=self.groups,
             center_A=centers[self.group_of],
             center_sd=line_sd,
@@ -152,19 +181,36 @@ class Problem:
             floor_A=self.floor_A,
         )
 
+    def _torsions(
+        self, clusters_deg: Array | None, suite_sd: float
+    ) -> tuple[Index, Array, Array, Array]:
+        """Torsions, their number of places, one of these, and how near they are held to it."""
+        own = self.site.geometry
+        found, fold = [self.torsions], [own.torsion_fold]
+        at, sd = [np.deg2rad(own.torsion_deg)], [own.torsion_sd]
+        if clusters_deg is not None and (held := np.isfinite(clusters_deg)).any():
+            n = int(held.sum())
+            found.append(self.suites[held])
+            fold.append(np.ones(n))
+            at.append(np.deg2rad(clusters_deg[held]))
+            sd.append(np.full(n, suite_sd))
+        return tuple(np.concatenate(one) for one in (found, fold, at, sd))  # type: ignore[return-value]
+
 
 def minimum(
     problem: Problem,
     centers: Array,
     line_sd: float,
     start: Array,
+    c2_endo: Sequence[bool],
     max_steps: int,
     max_seconds: float,
 ) -> Relaxed:
     """The minimum next to `start`, its sugars in one of the two usual puckers.
 
-    The loose stages, free of any pucker, show which of the two is nearer for each sugar, and which
-    phosphates have turned over: their free oxygens are put anew.
+    Where no pucker is given, the loose stages show which of the two is nearer for each sugar. They
+    also show which phosphates have turned over, whose free oxygens are put anew, and which cluster
+    is nearest to each suite.
 
     Parameters
     ----------
@@ -176,6 +222,8 @@ def minimum(
         How near they are held, Å.
     start : (N, 3) array
         Positions to begin at, Å.
+    c2_endo : sequence of bool
+        Pucker of each nucleotide's sugar, else none.
     max_steps, max_seconds : int, float
         Limits of the minimization.
 
@@ -186,15 +234,18 @@ def minimum(
     site, order = problem.site, problem.order
     limit = time.monotonic() + max_seconds
     whole = np.concatenate([start[order], site.around.positions_A])
-    restraints = problem.restraints(centers, line_sd, start)
+    given = _given_puckers(problem, c2_endo)
+    restraints = problem.restraints(centers, line_sd, start, given)
     loose = relax(restraints, whole, stages=STAGES[:2], max_seconds=max_seconds)
     whole = np.array(loose.positions_A)
     place = np.empty((len(order), 3))
     place[order] = whole[: len(order)]
     right_phosphates(site, place)
     whole[: len(order)] = place[order]
+    phases = np.where(np.isfinite(given), given, _near_puckers(whole, problem.rings))
+    clusters, _ = _clusters(problem, whole, phases)
     strict = relax(
-        problem.restraints(centers, line_sd, start, _near_puckers(whole, problem.rings)),
+        problem.restraints(centers, line_sd, start, phases, clusters),
         whole,
         stages=STAGES[2:],
         max_steps=max_steps,
@@ -235,8 +286,9 @@ def mended(
     there = np.array(relaxed.positions_A)
     whole = np.concatenate([there[order], problem.site.around.positions_A])
     phases = _near_puckers(whole, problem.rings)
+    clusters, _ = _clusters(problem, whole, phases)
     again = relax(
-        problem.restraints(centers, LOOSE_LINE_SD_A, there, phases, stress),
+        problem.restraints(centers, LOOSE_LINE_SD_A, there, phases, clusters, stress),
         whole,
         stages=STAGES[2:],
         max_steps=max_steps,
@@ -252,6 +304,92 @@ def _near_puckers(positions: Array, rings: Index) -> Array:
     phases = np.array([phase for phase, _ in puckers(positions, rings)])
     away = np.abs((phases[:, None] - np.array(PUCKERS_DEG) + 180.0) % 360.0 - 180.0)
     return np.asarray(np.array(PUCKERS_DEG)[away.argmin(axis=1)], dtype=np.float64)
+
+
+def _given_puckers(problem: Problem, c2_endo: Sequence[bool]) -> Array:
+    """Phases (s,) of the sugars whose pucker is given, degrees; NaN for others."""
+    inside = (problem.ring_of >= 0) & (problem.ring_of < len(c2_endo))
+    chosen = np.append(np.array(PUCKERS_DEG)[np.array(c2_endo, dtype=np.int64)], np.nan)
+    return np.asarray(chosen[np.where(inside, problem.ring_of, -1)])
+
+
+def _clusters(
+    problem: Problem, positions: Array, phases_deg: Array, besides: Sequence[Collection[int]] = ()
+) -> tuple[Array, list[int]]:
+    """Torsions (u, 7) that each suite is to have, degrees, and the rows of their clusters.
+
+    Those of the cluster that is nearest, of the puckers that its sugars have or are to have. δ
+    follows from these and is left free.
+    """
+    torsions = suite_torsions(positions, problem.suites)
+    held = np.full(torsions.shape, np.nan)
+    rows = []
+    for suite, (quads, found) in enumerate(zip(problem.suites, torsions, strict=True)):
+        for place in (0, 6):
+            # the third atom of C5' C4' C3' O3' says which sugar it is
+            for ring in np.flatnonzero((problem.rings == quads[place, 2]).any(axis=1)):
+                found[place] = DELTA_DEG[int(phases_deg[ring] > 90.0)]
+        rows.append(nearest(found, besides[suite] if besides else ()))
+        held[suite, 1:6] = MEANS_DEG[rows[-1], 1:6]
+    return held, rows
+
+
+def into_clusters(
+    problem: Problem,
+    centers: Array,
+    relaxed: Relaxed,
+    besides: Sequence[set[int]],
+    turning: Sequence[bool],
+    max_steps: int,
+    max_seconds: float,
+) -> Relaxed:
+    """A minimum some of whose suites are turned into a cluster first.
+
+    The chemistry is loose while they turn.
+
+    Parameters
+    ----------
+    problem : Problem
+        The strand's molecule and what is around.
+    centers : (n, 3) array
+        Points of the line, Å.
+    relaxed : Relaxed
+        Another minimum.
+    besides : sequence of set of int
+        Clusters that each suite has been turned to already; the one that it is turned to now is
+        added.
+    turning : sequence of bool
+        Which of the suites turn; the others are held where they are nearest.
+    max_steps, max_seconds : int, float
+        Limits of the minimization.
+
+    Returns
+    -------
+    Relaxed
+    """
+    order = problem.order
+    limit = time.monotonic() + max_seconds
+    there = np.array(relaxed.positions_A)
+    whole = np.concatenate([there[order], problem.site.around.positions_A])
+    phases = _near_puckers(whole, problem.rings)
+    clusters, rows = _clusters(problem, whole, phases, besides)
+    for suite, (row, out) in enumerate(zip(rows, turning, strict=True)):
+        if out:
+            besides[suite].add(row)
+    loose = problem.restraints(
+        centers, TURNING_LINE_SD_A, there, phases, clusters, suite_sd=TURNING_SD
+    )
+    turned = relax(loose, whole, stages=STAGES[1:2], max_seconds=max_seconds)
+    strict = relax(
+        problem.restraints(centers, TURNING_LINE_SD_A, there, phases, clusters),
+        np.array(turned.positions_A),
+        stages=STAGES[2:],
+        max_steps=max_steps,
+        max_seconds=max(limit - time.monotonic(), 0.0),
+    )
+    place = np.empty((len(order), 3))
+    place[order] = strict.positions_A[: len(order)]
+    return Relaxed(place, strict.status, relaxed.steps + turned.steps + strict.steps, strict.cost)
 
 
 def right_phosphates(site: Site, positions: Array) -> None:
@@ -309,18 +447,19 @@ def _least(site: Site, order: Index) -> tuple[Array, Array]:
     molecule, around = site.molecule, site.around
     n_moving = int(site.moving.sum())
     apart = separations(molecule)[np.ix_(order[:n_moving], order)]
-    polar = _polar(site)[order]
-    owner = np.array(molecule.residue)[order[:n_moving]]
-    inside = nearest_A(polar[:n_moving], polar)
-    inside = np.where(apart == 3, np.minimum(inside, NEAREST_1_4_A), inside)
-    outside = nearest_A(polar[:n_moving], around.polar)
-    coordinated = np.where(polar[:n_moving], METAL_POLAR_A, METAL_A)[:, None]
+    symbols = [atom.GetSymbol() for atom in molecule.mol.GetAtoms()]
+    sort = sorts(symbols, molecule.names)[order]
+    own = sort[:n_moving, None]
+    like, floor = NEAREST_A[own, sort], FLOOR_A[own, sort]
+    like = np.where(apart == 3, np.minimum(like, NEAREST_1_4_A), like)
+    floor = np.where(apart == 3, FLOOR_A[0, 0], floor)
+    outside = NEAREST_A[own, around.sort]
+    coordinated = np.where(own == 1, METAL_POLAR_A, METAL_A)
     outside = np.where(around.metal, coordinated, outside)
     # the group of a modified nucleotide is bonded to it in ways that are not known here
-    outside[owner[:, None] == around.owner] = 0.0
-    least = np.concatenate([np.where(apart <= 2, 0.0, inside), outside], axis=1)
-    return least, np.minimum(least, FLOOR_A)
-
-
-def _polar(site: Site) -> NDArray[np.bool_]:
-    return np.array([a.GetSymbol() in "NO" for a in site.molecule.mol.GetAtoms()])
+    owner = np.array(molecule.residue)[order[:n_moving], None]
+    outside[owner == around.owner] = 0.0
+    least = np.concatenate([np.where(apart <= 2, 0.0, like), outside], axis=1)
+    # what is around may itself be nearer to the strand's place than it should
+    floors = np.concatenate([floor, np.full(outside.shape, FLOOR_A[0, 0])], axis=1)
+    return least, np.minimum(least, floors)

@@ -101,7 +101,8 @@ def build_atoms(
     positions : (n_atoms, 3) array, optional
         Of all atoms, Å; default those of `model`.
     contact : {"sheared", "watson-crick"}, optional
-        Contact across the loop to be sought; see :func:`loopelastica.atoms.turn.turned`.
+        Contact of the first and the last loop nucleotide to be sought: its hydrogen bonds are held
+        at 2.9 Å; ``checks.contact_A`` says whether they were reached.
     tries : int
         Sound models, of different Ω and χ, that are compared per candidate; the best is kept.
     max_steps : int
@@ -132,7 +133,7 @@ def build_atoms(
     >>> from loopelastica._files import data_path
     >>> (loop,) = le.fold(data_path("hairpins/2koc.pdb"), all_models=False, shapes="rod")
     >>> build_atoms(data_path("hairpins/2koc.pdb"), loop, max_candidates=1)
-    [<AtomModel 1: 90 atoms, sound, RMSD 2.34 Å>]
+    [<AtomModel 1: 95 atoms, sound, RMSD 2.41 Å>]
     """
     tries, max_steps = whole(1)("tries", tries), whole(1)("max_steps", max_steps)
     max_candidates = optional(whole(1))("max_candidates", max_candidates)
@@ -162,23 +163,22 @@ def build_atoms(
         # lines of one kind begin in one place
         start = candidate.line.start_origin_A.tobytes()
         if start not in sites:
-            sites[start] = site_of(structure, fold, positions, candidate.line)
-        built = _candidate(sites[start], candidate, contact, limits, strand)
+            site = site_of(structure, fold, positions, candidate.line)
+            sites[start] = site.seeking(contact)
+        built = _candidate(sites[start], candidate, limits, strand)
         models.append(replace(built, rmsd_A=_rmsd_A(built, native)))
         if progress is not None:
             progress(done, len(chosen))
     return models
 
 
-def _candidate(
-    site: Site, candidate: Candidate, contact: str | None, limits: Limits, strand: Strand
-) -> AtomModel:
+def _candidate(site: Site, candidate: Candidate, limits: Limits, strand: Strand) -> AtomModel:
     line = curve_on(candidate.line, strand)
     if candidate.carried:
         near = site.given(grafts(site, candidate.carried))
-        best, combinations, _ = best_from(site, line, limits, near, contact=contact)
+        best, combinations, _ = best_from(site, line, limits, near)
     else:
-        best, combinations, _ = best_on(site, line, limits, contact=contact)
+        best, combinations, _ = best_on(site, line, limits)
     return AtomModel(
         candidate.rank,
         site.molecule,

@@ -1,9 +1,10 @@
 """Restored chemistry (step iv): least squares of ideal geometry with all that is there held fixed.
 
 Every term is a residual over its standard deviation: bond lengths, angles (as distances of the two
-outer atoms), signed volumes (chirality, and planarity where the volume is zero), torsions α γ ζ
-that are not staggered, overlap of atoms nearer than they may be, distance of each nucleotide's
-backbone centroid from the line, and a weak tether of every atom to where the line had carried it.
+outer atoms), signed volumes (chirality, and planarity where the volume is zero), torsions (α γ ζ
+staggered, suites of RNA in a cluster: :mod:`.suites`), overlap of atoms nearer than they may be,
+distance of each nucleotide's backbone centroid from the line, and a weak tether of every atom to
+where the line had carried it.
 The tethers make the minimum a smooth function of the input.
 
 rdkit's force fields were tried in its place, with the stem fixed and the backbone held near the
@@ -102,8 +103,9 @@ class Restraints:
         Distances: bonds and angles.
     quads, volume, volume_sd : (q, 4), (q,), (q,) array
         (b − a) · (c − a) × (d − a) in Å³ for atoms a b c d.
-    torsions, torsion_sd : (t, 4), float
-        Torsions a–b–c–d that like to be staggered (60°, 180°, 300°): residual cos(3φ/2).
+    torsions, torsion_fold, torsion_at, torsion_sd : (t, 4), (t,), (t,), (t,) array
+        Torsions a–b–c–d, rad, how many places on the circle they like, one of these, and how near
+        they are held to it.
     groups, center_A, center_sd : (g, m), (g, 3), float
         Centroids held to points.
     tether_A, tether_sd : (n_moving, 3), (n_moving,) array
@@ -120,7 +122,9 @@ class Restraints:
     volume: Array
     volume_sd: Array
     torsions: Index
-    torsion_sd: float
+    torsion_fold: Array
+    torsion_at: Array
+    torsion_sd: Array
     groups: Index
     center_A: Array
     center_sd: float
@@ -142,6 +146,8 @@ class Restraints:
             self.volume,
             (stage.hands * self.volume_sd) ** -2.0,
             self.torsions,
+            self.torsion_fold,
+            self.torsion_at,
             self.torsion_sd**-2.0,
             self.groups,
             self.center_A,
@@ -229,12 +235,13 @@ def cost(restraints: Restraints, x: Array, stage: Stage = STAGES[-1]) -> dict[st
     volume = ((b - a) * np.cross(c - a, d - a)).sum(axis=1)
     away = (x[r.groups].mean(axis=1) - r.center_A) / r.center_sd
     tethers = (x[: r.n_moving] - r.tether_A) / r.tether_sd[:, None]
+    turned = np.sin(0.5 * r.torsion_fold * (_torsions(x, r.torsions) - r.torsion_at))
     return {
         "lengths_and_angles": float(terms.pair_weight @ (apart - r.length_A) ** 2),
         "overlaps": _overlap(x, r.least_A) * terms.least_weight
         + _overlap(x, r.floor_A) * terms.floor_weight,
         "chirality_and_planarity": float(terms.quad_weight @ (volume - r.volume) ** 2),
-        "torsions": float((np.cos(1.5 * _torsions(x, r.torsions)) ** 2).sum() / r.torsion_sd**2),
+        "torsions": float(((2.0 * turned / (r.torsion_fold * r.torsion_sd)) ** 2).sum()),
         "line": float((away**2).sum()),
         "tethers": float((tethers**2).sum()),
     }

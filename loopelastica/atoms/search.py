@@ -19,9 +19,9 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.carry import Bent, Curve
-from loopelastica.atoms.checks import Checks, check
+from loopelastica.atoms.checks import OUTSIDE, Checks, check
 from loopelastica.atoms.measures import angles_deg, bond_lengths
-from loopelastica.atoms.minimum import Problem, mended, minimum, right_phosphates
+from loopelastica.atoms.minimum import Problem, into_clusters, mended, minimum, right_phosphates
 from loopelastica.atoms.relax import Relaxed
 from loopelastica.atoms.site import Site
 from loopelastica.atoms.start import start_on
@@ -37,6 +37,12 @@ MOST_TRIES: Final = 12
 NEAR_SD_A: Final = (0.5, 2.0)
 """How near each atom is held to where it was, where something that is there is built anew."""
 MENDINGS: Final = 3
+TURNINGS: Final = 6
+"""How often suites of the best model that are outside all clusters are turned towards one."""
+RARE: Final = 2.0
+OVERLAP: Final = 0.2
+"""What a suite outside all clusters and an overlap per thousand atoms cost, in units of the score
+of Ω, χ and pucker."""
 HOPELESS: Final = 6.0
 """A model that is further from sound than this (see `Checks.excess`) is not mended."""
 
@@ -82,14 +88,24 @@ class Attempt:
     near: bool = False
 
     @property
-    def order(self) -> tuple[float, float]:
-        """Chemistry first, then the strain that is left against what stacking has gained."""
-        return self.checks.excess, 0.1 * sum(self.relaxed.cost.values()) + self.turns.score
+    def order(self) -> tuple[float, bool, float]:
+        """Chemistry, a contact that is sought, then overlaps, strain, rare backbones and score."""
+        missed = self.checks.contact_reached is False
+        strain = 0.1 * sum(self.relaxed.cost.values()) + OVERLAP * self.checks.clashes_per_1000
+        return self.checks.excess, missed, strain + RARE * self.rare + self.turns.score
+
+    @property
+    def good(self) -> bool:
+        """Whether it is sound and has the contact that is sought, if any."""
+        return self.checks.sound and self.checks.contact_reached is not False
+
+    @property
+    def rare(self) -> int:
+        """Number of suites outside all clusters."""
+        return sum(name == OUTSIDE for name in self.checks.suites)
 
 
-def best_on(
-    site: Site, line: Curve, limits: Limits, *, contact: str | None = None
-) -> tuple[Attempt, list[Turns], int]:
+def best_on(site: Site, line: Curve, limits: Limits) -> tuple[Attempt, list[Turns], int]:
     """The best model on a line, and the combinations of Ω and χ, best first.
 
     Parameters
@@ -99,8 +115,6 @@ def best_on(
     line : Curve
         In the site's frame.
     limits : Limits
-    contact : str, optional
-        As for :func:`turned`.
 
     Returns
     -------
@@ -109,33 +123,31 @@ def best_on(
     """
     end = time.monotonic() + limits.max_seconds
     problem = Problem.at(site)
-    first = _combinations(site, line, contact, max(limits.tries, 3))
+    first = _combinations(site, line, max(limits.tries, 3))
     attempts: list[Attempt] = []
-    for curve, turns, line_sd in _schedule(site, line, first, contact):
+    for curve, turns, line_sd in _schedule(site, line, first):
         attempts.append(_attempt(problem, curve, turns, line_sd, limits, end))
-        if sum(attempt.checks.sound for attempt in attempts) == limits.tries:
-            break
-        if time.monotonic() > end:
+        if sum(attempt.good for attempt in attempts) == limits.tries or time.monotonic() > end:
             break
     best = min(attempts, key=lambda attempt: attempt.order)
-    return best, first, len(attempts)
+    return _into_clusters(problem, line, best, limits, end), first, len(attempts)
 
 
-def _combinations(site: Site, line: Curve, contact: str | None, keep: int) -> list[Turns]:
+def _combinations(site: Site, line: Curve, keep: int) -> list[Turns]:
     residues = site.molecule.residues
     letters, is_dna = [r.letter for r in residues], [r.is_dna for r in residues]
-    return turned(letters, is_dna, line, site.stem, contact=contact, keep=keep)
+    return turned(
+        letters, is_dna, line, site.stem, habits=site.habits, contact=site.contact, keep=keep
+    )
 
 
-def _schedule(
-    site: Site, line: Curve, first: list[Turns], contact: str | None
-) -> Iterator[tuple[Curve, Turns, float]]:
+def _schedule(site: Site, line: Curve, first: list[Turns]) -> Iterator[tuple[Curve, Turns, float]]:
     """Line, combination, and how near to the line: what is tried, in this order."""
     for turns in first:
         yield line, turns, LINE_SD_A[0]
     for line_sd, size_A in zip(LINE_SD_A[1:], BENDS_A, strict=True):
         bent = [line, *_bends(line, site.molecule.n, size_A)]
-        found = [(t, curve) for curve in bent for t in _combinations(site, curve, contact, 2)]
+        found = [(t, curve) for curve in bent for t in _combinations(site, curve, 2)]
         found.sort(key=lambda pair: pair[0].score)
         for turns, curve in found[:MOST_TRIES]:
             yield curve, turns, line_sd
@@ -162,7 +174,7 @@ def _bends(line: Curve, n: int, size_A: float) -> list[Bent]:
 
 
 def best_from(
-    site: Site, line: Curve, limits: Limits, near: Array, *, contact: str | None = None
+    site: Site, line: Curve, limits: Limits, near: Array
 ) -> tuple[Attempt, list[Turns], int]:
     """The model next to given positions; the best one on the line where that is not sound.
 
@@ -170,8 +182,6 @@ def best_from(
     ----------
     site, line, limits, near
         As for :func:`best_near`.
-    contact : str, optional
-        As for :func:`turned`.
 
     Returns
     -------
@@ -181,7 +191,7 @@ def best_from(
     first, tried = best_near(site, line, limits, near)
     if first.checks.sound:
         return first, [], tried
-    other, combinations, more = best_on(site, line, limits, contact=contact)
+    other, combinations, more = best_on(site, line, limits)
     return min(first, other, key=lambda attempt: attempt.order), combinations, tried + more
 
 
@@ -230,13 +240,12 @@ def _attempt(
     start: Array | None = None,
 ) -> Attempt:
     site = problem.site
-    centers = np.round(line.at(np.arange(1, site.molecule.n + 1))[0], 6)
+    centers = _centers(site, line)
     near = start is not None
     if start is None:
         start = start_on(site, line, turns)
-    relaxed = minimum(
-        problem, centers, line_sd, start, limits.max_steps, max(end - time.monotonic(), 0.0)
-    )
+    left = max(end - time.monotonic(), 0.0)
+    relaxed = minimum(problem, centers, line_sd, start, turns.c2_endo, limits.max_steps, left)
     checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
     stress = np.ones(len(problem.pairs))
     for _ in range(MENDINGS):
@@ -250,9 +259,39 @@ def _attempt(
     return Attempt(turns, start, relaxed, checks, near)
 
 
+def _into_clusters(
+    problem: Problem, line: Curve, attempt: Attempt, limits: Limits, end: float
+) -> Attempt:
+    """A sound model with fewer suites outside all clusters, where turning them leads to one."""
+    site = problem.site
+    centers = _centers(site, line)
+    besides: list[set[int]] = [set() for _ in attempt.checks.suites]
+    for turn in range(TURNINGS):
+        outside = [name == OUTSIDE for name in attempt.checks.suites]
+        if not any(outside) or not attempt.good or time.monotonic() > end:
+            break
+        # first all of them, then one after the other, for one that cannot turn spoils the rest
+        places = [k for k, out in enumerate(outside) if out]
+        chosen = places if turn == 0 else [places[turn % len(places)]]
+        turning = [k in chosen for k in range(len(outside))]
+        relaxed = into_clusters(problem, centers, attempt.relaxed, besides, turning,
+                                limits.max_steps, max(end - time.monotonic(), 0.0))  # fmt: skip
+        checks = check(site, relaxed.positions_A, centers, attempt.start_A, relaxed.status)
+        other = replace(attempt, relaxed=relaxed, checks=checks)
+        overlaps = checks.clashes_per_1000 > attempt.checks.clashes_per_1000
+        if other.good and other.rare < attempt.rare and not overlaps:
+            attempt = other
+    return attempt
+
+
+def _centers(site: Site, line: Curve) -> Array:
+    return np.asarray(np.round(line.at(np.arange(1, site.molecule.n + 1))[0], 6))
+
+
 def _stress(site: Site, positions: Array) -> Array:
     """How much stiffer bonds and angles become that are far from ideal."""
     geometry = site.geometry
     bond = np.abs(bond_lengths(positions, geometry.bonds) - geometry.length_A)
     angle = np.abs(angles_deg(positions, geometry.angles) - geometry.angle_deg)
-    return np.concatenate([np.where(bond > 0.04, 2.0, 1.0), np.where(angle > 7.5, 2.0, 1.0)])
+    more = [np.where(bond > 0.04, 2.0, 1.0), np.where(angle > 7.5, 2.0, 1.0)]
+    return np.concatenate([*more, np.ones(len(site.contact_pairs))])

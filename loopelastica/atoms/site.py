@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -11,20 +11,25 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
 from loopelastica.atoms.chemistry import (
+    BEYOND_3,
+    BEYOND_5,
     JUNCTION_3,
     JUNCTION_5,
     LoopMolecule,
     Residue,
     loop_molecule,
 )
-from loopelastica.atoms.geometry import IdealGeometry, ideal_geometry
-from loopelastica.atoms.turn import Surroundings
+from loopelastica.atoms.geometry import IdealGeometry, ideal_geometry, sorts
+from loopelastica.atoms.habits import Habits, of_motif, usual
+from loopelastica.atoms.turn import CONTACTS, Surroundings, check_contact
 from loopelastica.errors import StructureError
 from loopelastica.folding.lines import CandidateLine
+from loopelastica.folding.motifs import motif_of
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.neighbours import METALS, elements, solid
 from loopelastica.molecule.nucleotides import BACKBONE, RING, Structure, atom_positions
 
+Index = NDArray[np.int64]
 NOBODY: Final = -99
 GRID_A: Final = 6
 """Decimals that are kept: below them, turns of the input would make the arithmetic differ."""
@@ -39,8 +44,10 @@ class Around(Record):
     ----------
     positions_A : (m, 3) array
         In the local frame, Å.
-    polar, metal : (m,) array of bool
-        Of nitrogen and oxygen; of metal ions.
+    sort : (m,) array of int
+        Row of :data:`.geometry.NEAREST_A`.
+    metal : (m,) array of bool
+        Of metal ions.
     owner : (m,) array of int
         Nucleotide of the molecule that an atom belongs to, such as an unknown group of a modified
         one: atoms of that nucleotide do not avoid it. `NOBODY` for all others.
@@ -48,7 +55,7 @@ class Around(Record):
     """
 
     positions_A: Array
-    polar: NDArray[np.bool_]
+    sort: Index
     metal: NDArray[np.bool_]
     owner: NDArray[np.int64]
     label: NDArray[np.str_]
@@ -75,6 +82,12 @@ class Site:
         The fixed atoms in the file's coordinates, to the digit.
     labels : mapping of int to str
         What sentences call each nucleotide.
+    habits : Habits
+        What is usual of its sugars and bases.
+    contact : str or None
+        Contact of the first and the last nucleotide that is sought.
+    contact_pairs : (h, 2) array of int
+        Donors and acceptors of its hydrogen bonds; none where the two bases make no such contact.
     """
 
     molecule: LoopMolecule
@@ -87,6 +100,21 @@ class Site:
     frame: Array
     file_A: Array
     labels: Mapping[int, str]
+    habits: Habits
+    contact: str | None = None
+    contact_pairs: Index = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+
+    def seeking(self, contact: str | None) -> Site:
+        """The same, with a contact to be sought, "sheared" or "watson-crick"."""
+        check_contact(contact)
+        if contact is None:
+            return self
+        last = self.molecule.n - 1
+        letters = "".join(self.molecule.kinds[k].letter for k in (0, last))
+        bonds = CONTACTS[contact].get(letters, ())
+        rows = [(self.molecule.index(0, a), self.molecule.index(last, b)) for a, b in bonds]
+        pairs = np.array(rows, dtype=np.int64).reshape(-1, 2)
+        return replace(self, contact=contact, contact_pairs=pairs)
 
     def label(self, row: int) -> str:
         """An atom of the molecule or, from N on, of what is around, such as "2:C3'"."""
@@ -120,6 +148,7 @@ def placed(
     origin: Array,
     frame: Array,
     labels: Mapping[int, str],
+    habits: Habits | None = None,
 ) -> Site:
     """A site from atoms in the coordinates of the file.
 
@@ -134,6 +163,8 @@ def placed(
         Six-membered rings of the nucleotides before and after, local; NaN where one is missing.
     origin, frame : (3,), (3, 3) array
     labels : mapping of int to str
+    habits : Habits, optional
+        Default those usual of its sequence.
 
     Returns
     -------
@@ -153,8 +184,11 @@ def placed(
         _bonded(molecule, fixed, -1, "O3'"),
         _bonded(molecule, fixed, molecule.n, "P"),
     )
+    if habits is None:
+        kinds = molecule.residues
+        habits = usual([kind.letter for kind in kinds], [kind.is_dna for kind in kinds])
     return Site(molecule, ideal_geometry(molecule, moving), moving, fixed, around, stem, origin,
-                frame, file_A, labels)  # fmt: skip
+                frame, file_A, labels, habits)  # fmt: skip
 
 
 def _bonded(molecule: LoopMolecule, fixed: Array, residue: int, name: str) -> Array:
@@ -222,12 +256,17 @@ def site_of(structure: Structure, fold: LoopFold, positions: Array, line: Candid
         If a base is unknown, or an atom that a junction needs is missing.
     """
     table, hairpin = structure.nucleotides, fold.hairpin
-    molecule = loop_molecule(loop_residues(structure, fold))
+    closing_5, closing_3 = int(hairpin.stem_5[0]), int(hairpin.stem_3[0])
+    molecule = loop_molecule(
+        loop_residues(structure, fold),
+        _there(structure, positions, closing_5, BEYOND_5),
+        _there(structure, positions, closing_3, BEYOND_3),
+    )
     origin, frame = line.start_origin_A, line.start_frame
     n = molecule.n
     file_A = np.full((len(molecule.names), 3), np.nan)
     used: list[int] = []
-    closing = {-1: int(hairpin.stem_5[0]), n: int(hairpin.stem_3[0])}
+    closing = {-1: closing_5, n: closing_3}
     for (residue, name), row in molecule.rows.items():
         if residue not in closing:
             continue
@@ -245,7 +284,25 @@ def site_of(structure: Structure, fold: LoopFold, positions: Array, line: Candid
     lines = [c.line.points(4 * n) for c in fold.candidates]
     near_A = (np.concatenate(lines) - origin) @ frame
     around = _around(structure, fold, local, used, near_A)
-    return placed(molecule, file_A, around, rings, origin, frame, labels)
+    return placed(molecule, file_A, around, rings, origin, frame, labels, _habits(fold))
+
+
+def _there(
+    structure: Structure, positions: Array, nucleotide: int, names: tuple[str, ...]
+) -> list[str]:
+    """Those of the named atoms that a nucleotide has."""
+    rows = structure.nucleotides.columns(names)[nucleotide]
+    return [name for name, row in zip(names, rows, strict=True)
+            if row >= 0 and np.isfinite(positions[row]).all()]  # fmt: skip
+
+
+def _habits(fold: LoopFold) -> Habits | None:
+    """Those of a motif, where its other loops may be known."""
+    hairpin, options = fold.hairpin, fold.options
+    if hairpin.is_dna or options.exclude_relatives or options.shapes == "rod":
+        return None
+    motif = motif_of(hairpin.sequence)
+    return None if motif is None else of_motif(motif)
 
 
 def native_backbone(structure: Structure, fold: LoopFold, positions: Array) -> Array:
@@ -277,7 +334,7 @@ def _around(
     ]
     return Around(
         local[rows],
-        np.isin(element[rows], ["N", "O"]) & ~metal,
+        np.where(metal, 0, sorts(element[rows].tolist(), atoms.names.tolist())),
         metal,
         np.full(len(rows), NOBODY),
         np.array(label, dtype=np.str_),

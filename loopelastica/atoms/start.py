@@ -9,11 +9,12 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.atoms.carry import Curve, own_phase
-from loopelastica.atoms.chemistry import LoopMolecule, Residue
+from loopelastica.atoms.chemistry import LoopMolecule
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.measures import rigid_fit
 from loopelastica.atoms.site import GRID_A, Site
-from loopelastica.atoms.turn import Turns, place
+from loopelastica.atoms.states import place
+from loopelastica.atoms.turn import Turns
 from loopelastica.molecule.strands import ideal_strand
 
 FEWEST_FITTED: Final = 3
@@ -74,18 +75,18 @@ def _on_line(molecule: LoopMolecule, line: Curve, turns: Turns, k: int) -> dict[
     """Atoms of nucleotide k on the line."""
     kind = molecule.kinds[k]
     omega, chi = turns.omega_deg[k], turns.chi_change_deg[k]
+    c2_endo = turns.c2_endo[k] if turns.c2_endo else kind.is_dna
     # a phosphate lies between two nucleotides and turns half with each
     before = turns.omega_deg[k - 1] if k else 0.0
     half = before + 0.5 * ((omega - before + 180.0) % 360.0 - 180.0)
-    return place(kind.letter, kind.is_dna, line, k + 1, omega, chi) | _phosphate(
-        kind, line, k + 1, half
-    )
+    nucleoside = place(kind.letter, kind.is_dna, line, k + 1, omega, chi, c2_endo)
+    return nucleoside | _phosphate(c2_endo, line, k + 1, half)
 
 
-def _phosphate(residue: Residue, line: Curve, k: int, omega: float) -> dict[str, Array]:
+def _phosphate(c2_endo: bool, line: Curve, k: int, omega: float) -> dict[str, Array]:
     """P, OP1 and OP2, each on the line's normal plane at its own phase."""
     names = ("P", "OP1", "OP2")
-    phases, local = _own_phases(residue.is_dna, names)
+    phases, local = _own_phases(c2_endo, names)
     points, frames = line.at(k + phases)
     c, s = np.cos(np.deg2rad(omega)), np.sin(np.deg2rad(omega))
     across = local @ np.array([[c, s], [-s, c]])
@@ -93,10 +94,10 @@ def _phosphate(residue: Residue, line: Curve, k: int, omega: float) -> dict[str,
 
 
 @lru_cache
-def _own_phases(is_dna: bool, names: tuple[str, ...]) -> tuple[Array, Array]:
+def _own_phases(b_form: bool, names: tuple[str, ...]) -> tuple[Array, Array]:
     """Phases (a,) and places (a, 2) of atoms that every nucleotide has; see :func:`own_phase`."""
-    fibre = fibre_nucleotide("A", is_dna)
-    phases, local = zip(*(own_phase(ideal_strand(is_dna), fibre[x]) for x in names), strict=True)
+    fibre = fibre_nucleotide("A", b_form)
+    phases, local = zip(*(own_phase(ideal_strand(b_form), fibre[x]) for x in names), strict=True)
     return np.array(phases), np.array(local)
 
 

@@ -30,7 +30,7 @@ from loopelastica.atoms.measures import rigid_fit
 from loopelastica.atoms.relax import Relaxed
 from loopelastica.atoms.search import Limits, best_from, best_near, best_on
 from loopelastica.atoms.start import FEWEST_FITTED
-from loopelastica.atoms.turn import Turns, check_contact
+from loopelastica.atoms.turn import Turns
 from loopelastica.errors import StructureError
 from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
 from loopelastica.molecule.strands import ideal_strand
@@ -175,16 +175,15 @@ def build_strand(
         whole(1)("max_steps", max_steps),
         positive("max_seconds", max_seconds),
     )
-    check_contact(contact)
-    site = gap_site(gap, line, atoms)
+    site = gap_site(gap, line, atoms).seeking(contact)
     local = LocalCurve(line, site.origin, site.frame)
     if near is not None:
         best, attempts = best_near(site, local, limits, site.given(near))
     elif templates:
         start = site.given(grafts(site, templates))
-        best, _, attempts = best_from(site, local, limits, start, contact=contact)
+        best, _, attempts = best_from(site, local, limits, start)
     else:
-        best, _, attempts = best_on(site, local, limits, contact=contact)
+        best, _, attempts = best_on(site, local, limits)
     positions = site.in_file(best.relaxed.positions_A)
     return StrandModel(
         gap,

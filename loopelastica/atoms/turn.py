@@ -1,43 +1,38 @@
 """Nucleosides turned about the line (step iii): one angle Ω per nucleotide, and χ.
 
-Every nucleotide has the same few states: Ω in steps round the circle, χ at that of the fibre, 30°
-to either side, and syn. The score of a combination is a sum over nucleotides and pairs,
+Every nucleotide has the same few states (:mod:`.states`): Ω, χ and pucker. The score of a
+combination is a sum over nucleotides and pairs,
 
     clashes      Σ (3.2 Å − d)² over heavy atoms nearer than that, stem and loop, per Å²
     junctions    2 (|d − 2.5 Å| − 1 Å)² where O3' and the next O5' are further from the distance
                  they have round a phosphorus than the minimization mends with ease, per Å²
     stacking     −2 for two bases that lie flat upon each other 3.4 Å apart, falling off smoothly;
                  neighbours in the chain, the closing pair and bases across the loop alike
-    syn          +1, for pyrimidines +2
+    habit        −ln of how often nature has such a nucleotide with this pucker and so syn or anti
+                 (:mod:`.habits`)
     contact      −4 for a pair of the first and last loop nucleotide that is requested by name
 
 in units of about kT. The weights are stated choices, not fits: they put chemistry (no clash, no
-broken chain) before preference. A beam over the chain keeps the best combinations; ties and order
-are decided by the state's number, so that the result is always the same.
+broken chain) before preference. Of the states of each nucleotide those are left that score best
+alone; a beam over the chain keeps the best combinations. Ties and order are decided by the state's
+number, so that the result is always the same.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import shown
 from loopelastica.atoms.carry import Curve
-from loopelastica.atoms.fibre import fibre_nucleotide, in_line_frame
-from loopelastica.atoms.measures import chi_torsion, torsion_deg
-from loopelastica.molecule.nucleotides import RING
-from loopelastica.molecule.strands import ideal_strand
+from loopelastica.atoms.habits import Habits, usual
+from loopelastica.atoms.states import States, chi_changes, ring_plane, states_on
 
-OMEGA_STEPS: Final = 24
-CHI_CHANGES_DEG: Final = (0.0, -30.0, 30.0)
-SYN_CHI_DEG: Final = 60.0
 CONTACTS: Final[dict[str, dict[str, tuple[tuple[str, str], ...]]]] = {
     # donor–acceptor pairs of a sheared G·A and of Watson–Crick and wobble pairs
     "sheared": {"GA": (("N2", "N7"), ("N3", "N6")), "AG": (("N7", "N2"), ("N6", "N3"))},
@@ -50,11 +45,10 @@ CONTACTS: Final[dict[str, dict[str, tuple[tuple[str, str], ...]]]] = {
         "UG": (("O2", "N1"), ("N3", "O6")),
     },
 }
-_PHOSPHATE: Final = ("P", "OP1", "OP2")
 _CLASH_A, _JUNCTION_A, _JUNCTION_FREE_A = 3.2, 2.5, 1.0
 _STACK_A, _STACK = 3.4, 2.0
 _HBOND_A, _CONTACT = 2.9, 4.0
-_BEAM = 400
+_BEAM, _STATES = 400, 96
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,11 +73,15 @@ class Surroundings(Record):
 
 @dataclass(frozen=True, slots=True)
 class Turns:
-    """One combination: Ω (°) and change of χ (°) of each nucleotide, and its score."""
+    """One combination: Ω (°), change of χ (°) and pucker of each nucleotide, and its score.
+
+    `c2_endo` is empty where nothing was chosen.
+    """
 
     omega_deg: tuple[float, ...]
     chi_change_deg: tuple[float, ...]
     score: float
+    c2_endo: tuple[bool, ...] = ()
 
 
 def check_contact(contact: str | None) -> None:
@@ -98,6 +96,7 @@ def turned(
     line: Curve,
     stem: Surroundings,
     *,
+    habits: Habits | None = None,
     contact: str | None = None,
     keep: int = 3,
 ) -> list[Turns]:
@@ -111,10 +110,12 @@ def turned(
         What they are turned about.
     stem : Surroundings
         What is in the way.
+    habits : Habits, optional
+        How often such nucleotides are C2'-endo and syn; default as :func:`.habits.usual`.
     contact : {"sheared", "watson-crick"}, optional
         Reward this contact between the first and the last nucleotide.
     keep : int
-        Most combinations; they differ by at least 45° or by syn and anti somewhere.
+        Most combinations; they differ by at least 45°, by pucker or by syn and anti somewhere.
 
     Returns
     -------
@@ -127,12 +128,14 @@ def turned(
     """
     check_contact(contact)
     n = len(letters)
-    states = [
-        _states(letter, dna, line, k)
-        for k, (letter, dna) in enumerate(zip(letters, is_dna, strict=True), start=1)
-    ]
-    unary = [_unary(state, letter, stem, k, n) for k, (state, letter) in
-             enumerate(zip(states, letters, strict=True))]  # fmt: skip
+    habits = usual(letters, is_dna) if habits is None else habits
+    states, unary = [], []
+    for k, (letter, dna) in enumerate(zip(letters, is_dna, strict=True)):
+        every = states_on(letter, dna, line, k + 1)
+        alone = habits.costs(k, every) + _unary(every, stem, k, n)
+        best = np.sort(np.argsort(alone, kind="stable")[:_STATES])
+        states.append(every.take(best))
+        unary.append(alone[best])
     pairs = _pairs(states, letters, contact)
     beam = np.zeros((1, 0), dtype=np.int64)
     score = np.zeros(1)
@@ -145,100 +148,9 @@ def turned(
         parent, state = np.unravel_index(order, grown.shape)
         score = grown[parent, state]
         beam = np.column_stack([beam[parent], state])
-    changes = [_chi_changes(*own) for own in zip(letters, is_dna, strict=True)]
-    return _distinct(beam, score, changes, keep)
-
-
-def place(
-    letter: str, is_dna: bool, line: Curve, k: int, omega: float, chi: float
-) -> dict[str, Array]:
-    """Atoms of one loop nucleotide without its phosphate.
-
-    Parameters
-    ----------
-    letter, is_dna
-        Parent base and sugar.
-    line : Curve
-        Where it lies.
-    k : int
-        Its number in the loop, from 1.
-    omega, chi : float
-        Ω and change of χ, degrees.
-
-    Returns
-    -------
-    dict of str to (3,) array
-        Å.
-    """
-    names, local = _local(letter, is_dna, np.array([chi]))
-    point, frame = line.at([float(k)])
-    at = _about_line(local[0][None], np.array([omega])) @ frame[0].T + point[0]
-    return dict(zip(names, at[0], strict=True))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _State:
-    names: tuple[str, ...]
-    atoms: Array  # (s, a, 3)
-
-    def atom(self, name: str) -> Array:
-        return self.atoms[:, self.names.index(name)]
-
-    @property
-    def ring(self) -> tuple[Array, Array]:
-        """Centres (s, 3) and normals (s, 3) of the six-membered ring."""
-        return _plane(self.atoms[:, [self.names.index(name) for name in RING]])
-
-
-@lru_cache
-def _all_turns() -> tuple[Array, Array]:
-    """Ω and χ class of each state: χ varies fastest."""
-    omega = np.arange(OMEGA_STEPS) * (360.0 / OMEGA_STEPS)
-    n_chi = len(CHI_CHANGES_DEG) + 1
-    return np.repeat(omega, n_chi), np.tile(np.arange(n_chi), OMEGA_STEPS)
-
-
-@lru_cache
-def _chi_changes(letter: str, is_dna: bool) -> Array:
-    atoms = fibre_nucleotide(letter, is_dna)
-    fibre = torsion_deg(*(atoms[name] for name in chi_torsion(letter)))
-    return np.array([*CHI_CHANGES_DEG, SYN_CHI_DEG - fibre])
-
-
-def _states(letter: str, is_dna: bool, line: Curve, k: int) -> _State:
-    omega, chi = _all_turns()
-    names, local = _local(letter, is_dna, _chi_changes(letter, is_dna))
-    point, frame = line.at([float(k)])
-    return _State(names, _about_line(local[chi], omega) @ frame[0].T + point[0])
-
-
-def _local(letter: str, is_dna: bool, chi_deg: Array) -> tuple[tuple[str, ...], Array]:
-    """Names and places (c, a, 3) in the line's frame for each change of χ, phosphate left out."""
-    atoms = {k: v for k, v in fibre_nucleotide(letter, is_dna).items() if k not in _PHOSPHATE}
-    names = tuple(atoms)
-    local = in_line_frame(ideal_strand(is_dna), np.array(list(atoms.values())))
-    c1, n = names.index("C1'"), names.index(chi_torsion(letter)[2])
-    base = [row for row, name in enumerate(names) if "'" not in name]
-    axis = (local[n] - local[c1]) / np.linalg.norm(local[n] - local[c1])
-    out = np.repeat(local[None], len(chi_deg), axis=0)
-    for row, angle in enumerate(chi_deg):
-        turn = Rotation.from_rotvec(np.deg2rad(angle) * axis)
-        out[row, base] = turn.apply(local[base] - local[c1]) + local[c1]
-    return names, out
-
-
-def _about_line(local: Array, omega_deg: Array) -> Array:
-    c, s = np.cos(np.deg2rad(omega_deg))[:, None], np.sin(np.deg2rad(omega_deg))[:, None]
-    x, y, z = np.moveaxis(local, -1, 0)
-    return np.stack([c * x - s * y, s * x + c * y, z], axis=-1)
-
-
-def _plane(rings: Array) -> tuple[Array, Array]:
-    centre = rings.mean(axis=-2)
-    normal = np.cross(rings[..., 0, :] - rings[..., 2, :], rings[..., 1, :] - rings[..., 3, :])
-    # a ring whose atoms are one point has no plane, and nothing stacks on it
-    size = np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
-    return centre, normal / size
+    changes = [{c2: chi_changes(letter, dna, c2) for c2 in (False, True)}
+               for letter, dna in zip(letters, is_dna, strict=True)]  # fmt: skip
+    return _distinct(beam, score, states, changes, keep)
 
 
 def _clash(a: Array, b: Array) -> Array:
@@ -265,11 +177,9 @@ def _junction(distance: Array, ideal: float) -> Array:
     return 2.0 * np.maximum(np.abs(distance - ideal) - _JUNCTION_FREE_A, 0.0) ** 2
 
 
-def _unary(state: _State, letter: str, stem: Surroundings, k: int, n: int) -> Array:
-    _, chi = _all_turns()
-    score = np.where(chi == len(CHI_CHANGES_DEG), 1.0 if letter in "AG" else 2.0, 0.0)
-    score = score + _clash(state.atoms, stem.atoms_A[None])[:, 0]
-    score = score + _stacking(state.ring, _plane(stem.rings_A)).sum(axis=1)
+def _unary(state: States, stem: Surroundings, k: int, n: int) -> Array:
+    score = _clash(state.atoms, stem.atoms_A[None])[:, 0]
+    score = score + _stacking(state.ring, ring_plane(stem.rings_A)).sum(axis=1)
     if k == 0 and np.isfinite(stem.o3_A).all():
         distance = np.linalg.norm(state.atom("O5'") - stem.o3_A, axis=1)
         score = score + _junction(distance, _JUNCTION_A)
@@ -281,7 +191,7 @@ def _unary(state: _State, letter: str, stem: Surroundings, k: int, n: int) -> Ar
 
 
 def _pairs(
-    states: Sequence[_State], letters: Sequence[str], contact: str | None
+    states: Sequence[States], letters: Sequence[str], contact: str | None
 ) -> dict[tuple[int, int], Array]:
     table = {}
     reach = [np.abs(s.atoms - s.atoms.mean(axis=(0, 1))).max() * 2.0 for s in states]
@@ -305,7 +215,7 @@ def _pairs(
     return table
 
 
-def _contact(a: _State, b: _State, bonds: Sequence[tuple[str, str]]) -> Array:
+def _contact(a: States, b: States, bonds: Sequence[tuple[str, str]]) -> Array:
     reward = np.zeros((len(a.atoms), len(b.atoms)))
     for one, other in bonds:
         distance = np.linalg.norm(a.atom(one)[:, None] - b.atom(other)[None], axis=-1)
@@ -314,24 +224,33 @@ def _contact(a: _State, b: _State, bonds: Sequence[tuple[str, str]]) -> Array:
 
 
 def _distinct(
-    beam: NDArray[np.int64], score: Array, changes: Sequence[Array], keep: int
+    beam: NDArray[np.int64],
+    score: Array,
+    states: Sequence[States],
+    changes: Sequence[Mapping[bool, Array]],
+    keep: int,
 ) -> list[Turns]:
-    omega, chi = _all_turns()
     chosen: list[NDArray[np.int64]] = []
     out = []
-    for states, value in zip(beam, score, strict=True):
-        if any(_alike(states, other) for other in chosen):
+    for rows, value in zip(beam, score, strict=True):
+        if any(_alike(rows, other, states) for other in chosen):
             continue
-        chosen.append(states)
-        change = [float(own[chi[s]]) for own, s in zip(changes, states, strict=True)]
-        out.append(Turns(tuple(omega[states].tolist()), tuple(change), float(value)))
+        chosen.append(rows)
+        own = list(zip(states, rows.tolist(), strict=True))
+        c2_endo = tuple(bool(s.c2_endo[row]) for s, row in own)
+        change = [float(by[c2][s.chi_class[row]])
+                  for by, c2, (s, row) in zip(changes, c2_endo, own, strict=True)]  # fmt: skip
+        omega = tuple(float(s.omega_deg[row]) for s, row in own)
+        out.append(Turns(omega, tuple(change), float(value), c2_endo))
         if len(out) == keep:
             break
     return out
 
 
-def _alike(a: NDArray[np.int64], b: NDArray[np.int64]) -> bool:
-    omega, chi = _all_turns()
-    apart = np.abs((omega[a] - omega[b] + 180.0) % 360.0 - 180.0)
-    syn = len(CHI_CHANGES_DEG)
-    return bool((apart < 45.0).all() and ((chi[a] == syn) == (chi[b] == syn)).all())
+def _alike(a: NDArray[np.int64], b: NDArray[np.int64], states: Sequence[States]) -> bool:
+    for state, one, other in zip(states, a, b, strict=True):
+        apart = abs((state.omega_deg[one] - state.omega_deg[other] + 180.0) % 360.0 - 180.0)
+        same = state.syn[one] == state.syn[other] and state.c2_endo[one] == state.c2_endo[other]
+        if apart >= 45.0 or not same:
+            return False
+    return True

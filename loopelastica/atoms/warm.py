@@ -19,8 +19,8 @@ def compile_atoms() -> None:
     two, four, six = (np.zeros((0, m), dtype=np.int64) for m in (2, 4, 6))
     nothing, points = np.zeros(0), np.zeros((0, 3))
     terms = Terms(
-        two, nothing, nothing, four, nothing, nothing, four, 1.0, six, points, 1.0, x[:1].copy(),
-        np.ones(1), np.zeros((1, 2)), np.zeros((1, 2)), 1.0, 1.0,
+        two, nothing, nothing, four, nothing, nothing, four, nothing, nothing, nothing, six, points,
+        1.0, x[:1].copy(), np.ones(1), np.zeros((1, 2)), np.zeros((1, 2)), 1.0, 1.0,
     )  # fmt: skip
     descend(x, terms, np.zeros((1, 2), dtype=np.int64), 1, 0.1, 1.0)
     overlap_sums(x[None], x[None], 3.0)

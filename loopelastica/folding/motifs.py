@@ -53,6 +53,8 @@ class Motif(Record):
         Median and 90 % of its error on sequences that it had not seen, Å.
     spread_A : float
         How far its loops lie from their mean, Å.
+    c2_endo, syn : (n,) array
+        Share of C2'-endo sugars and of syn bases at each nucleotide.
     """
 
     name: str
@@ -63,6 +65,8 @@ class Motif(Record):
     families: int
     rmsd_A: Array
     spread_A: float
+    c2_endo: Array
+    syn: Array
 
     def __repr__(self) -> str:
         return f"<Motif {self.name}: {self.loops} loops>"
@@ -169,6 +173,12 @@ def errors_of(kind: str) -> Errors:
     return Errors(np.array(row["b"]), {c: np.array(q) for c, q in row["quantiles"].items()})
 
 
+def habit_terms() -> tuple[Array, Array]:
+    """Terms of the log odds of C2'-endo and of syn; :mod:`loopelastica.atoms.habits` adds them."""
+    table = _content()["habits"]
+    return read_only(list(table["c2_endo"].values())), read_only(list(table["syn"].values()))
+
+
 @cache
 def _content() -> dict[str, Any]:
     content: dict[str, Any] = json.loads(data_path("motifs.json").read_text(encoding="utf-8"))
@@ -185,5 +195,5 @@ def _motif(row: Mapping[str, Any], called: str) -> Motif:
     shape = LoopShape(sequence, row["kind"] == "DNA", steps, read_only(end), source)
     return Motif(
         row["name"], row["pattern"], shape, row["loops"], row["sequences"], row["families"],
-        read_only(row["rmsd_A"]), row["spread_A"],
+        read_only(row["rmsd_A"]), row["spread_A"], read_only(row["c2_endo"]), read_only(row["syn"]),
     )  # fmt: skip

@@ -6,7 +6,7 @@ import pytest
 import loopelastica as le
 from loopelastica.atoms.carry import Line, curve_on, helix_twist, own_phase
 from loopelastica.atoms.fibre import fibre_nucleotide
-from loopelastica.atoms.turn import place
+from loopelastica.atoms.states import place
 from loopelastica.folding.lines import chain_lines
 from loopelastica.molecule.clamp_rule import StemClamp
 from loopelastica.molecule.ends import ClosingPoses, StemEnds

@@ -53,5 +53,5 @@ def test_the_last_oxygen_comes_to_the_right_side_of_the_stems_phosphorus(models,
     start[o3] = 2.0 * right[p] - right[o3]
     backbone = [[molecule.index(k, name) for name in BACKBONE] for k in range(molecule.n)]
     centers = right[np.array(backbone)].mean(axis=1)
-    found = minimum(Problem.at(site), centers, 0.3, start, 5000, 30.0)
+    found = minimum(Problem.at(site), centers, 0.3, start, (), 5000, 30.0)
     assert np.linalg.norm(found.positions_A[o3] - right[o3]) < 0.6

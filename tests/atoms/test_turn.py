@@ -7,7 +7,8 @@ from scipy.spatial.transform import Rotation
 from loopelastica.atoms.carry import Line
 from loopelastica.atoms.measures import chi_torsion, torsion_deg
 from loopelastica.atoms.site import site_of
-from loopelastica.atoms.turn import _clash, _plane, _stacking, check_contact, place, turned
+from loopelastica.atoms.states import place, ring_plane
+from loopelastica.atoms.turn import _clash, _stacking, check_contact, turned
 from loopelastica.molecule.strands import ideal_strand
 
 
@@ -80,8 +81,8 @@ def test_clashes_and_stacking_are_counted_as_said(rng):
 
 
 @pytest.mark.filterwarnings("error")
-def test_nothing_stacks_on_a_ring_that_has_no_plane(rng):
-    centre, normal = _plane(np.stack([np.ones((6, 3)), rng.normal(size=(6, 3))]))
+def test_nothing_stacks_on_a_ring_that_has_noring_plane(rng):
+    centre, normal = ring_plane(np.stack([np.ones((6, 3)), rng.normal(size=(6, 3))]))
     np.testing.assert_array_equal(normal[0], 0.0)
     assert np.linalg.norm(normal[1]) == pytest.approx(1.0)
     np.testing.assert_array_equal(centre[0], 1.0)

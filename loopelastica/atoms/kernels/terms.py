@@ -2,7 +2,7 @@
 
     E = ½ Σ w (|x_i − x_j| − l)²                     bonds, and angles as distances
       + ½ Σ w (b · c × d − V)²                       hands, planes, puckers
-      + ¼ Σ w (1 + cos 3φ)                           torsions that like to be staggered
+      + Σ w (1 − cos m (φ − φ₀)) / m²                torsions
       + ½ w Σ |centroid − point|²                    the line
       + ½ w Σ |x − place|²                           tethers
       + ½ w Σ ((r² − d²) / 2r)²   where d < r        atoms that are too near
@@ -34,7 +34,9 @@ class Terms(NamedTuple):
     volume: np.ndarray  # (q,) Å³
     quad_weight: np.ndarray  # (q,) 1/Å⁶
     torsions: np.ndarray  # (t, 4)
-    torsion_weight: float
+    torsion_fold: np.ndarray  # (t,) m
+    torsion_at: np.ndarray  # (t,) φ₀, rad
+    torsion_weight: np.ndarray  # (t,) 1/rad²
     groups: np.ndarray  # (g, 6)
     center: np.ndarray  # (g, 3) Å
     line_weight: float  # 1/Å²
@@ -79,7 +81,7 @@ def evaluate(x, terms, listed, count, gradient):
             gradient[i, c] = 0.0
     energy = _distances(x, terms.pairs, terms.length, terms.pair_weight, gradient)
     energy += _volumes(x, terms.quads, terms.volume, terms.quad_weight, gradient)
-    energy += _staggered(x, terms.torsions, terms.torsion_weight, gradient)
+    energy += _torsions(x, terms, gradient)
     energy += _line(x, terms.groups, terms.center, terms.line_weight, gradient)
     for i in range(terms.tether.shape[0]):
         for c in range(3):
@@ -160,9 +162,10 @@ def _volumes(x, quads, volume, weight, gradient):
 
 
 @kernel
-def _staggered(x, quads, weight, gradient):
+def _torsions(x, terms, gradient):
     # the gradient of a torsion: Blondel & Karplus, J. Comput. Chem. 17 (1996) 1132
     energy = 0.0
+    quads = terms.torsions
     for row in range(quads.shape[0]):
         a, b, c, d = quads[row, 0], quads[row, 1], quads[row, 2], quads[row, 3]
         ux, uy, uz = x[b, 0] - x[a, 0], x[b, 1] - x[a, 1], x[b, 2] - x[a, 2]
@@ -175,8 +178,10 @@ def _staggered(x, quads, weight, gradient):
         nn = max(nx * nx + ny * ny + nz * nz, 0.25)
         length = max(np.sqrt(ax * ax + ay * ay + az * az), 0.1)
         angle = np.arctan2(length * (ux * nx + uy * ny + uz * nz), mx * nx + my * ny + mz * nz)
-        energy += 0.25 * weight * (1.0 + np.cos(3.0 * angle))
-        slope = -0.75 * weight * np.sin(3.0 * angle)
+        fold, weight = terms.torsion_fold[row], terms.torsion_weight[row]
+        off = fold * (angle - terms.torsion_at[row])
+        energy += weight * (1.0 - np.cos(off)) / (fold * fold)
+        slope = weight * np.sin(off) / fold
         at_a, at_d = -slope * length / mm, slope * length / nn
         along_u = (ux * ax + uy * ay + uz * az) / (length * length)
         along_v = (vx * ax + vy * ay + vz * az) / (length * length)

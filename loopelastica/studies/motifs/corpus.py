@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -19,6 +19,8 @@ import numpy as np
 from tqdm import tqdm
 
 from loopelastica._arrays import Array, Record
+from loopelastica.atoms.geometry import RING_OF_SUGAR
+from loopelastica.atoms.measures import chi_torsion, pseudorotation, torsion_deg
 from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.fold import fold_model
 from loopelastica.folding.library import Library
@@ -30,7 +32,7 @@ from loopelastica.molecule.ends import ClosingPoses
 from loopelastica.molecule.folders import structure_files
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
 from loopelastica.molecule.identity import entry_of
-from loopelastica.molecule.nucleotides import Structure, read_structure
+from loopelastica.molecule.nucleotides import Nucleotides, Structure, read_structure
 from loopelastica.molecule.shapes import loop_shape
 
 SHORTEST, LONGEST = 3, 12
@@ -70,6 +72,8 @@ class StudyLoop(Record):
         What relatives share.
     motif : str
         "GNRA", "UNCG" or "".
+    c2_endo, syn : (n,) array
+        1 or 0 of each nucleotide, NaN where it is not known.
     """
 
     found: FoundLoop
@@ -79,6 +83,8 @@ class StudyLoop(Record):
     rods: tuple[StudyRod, ...]
     family: str
     motif: str
+    c2_endo: Array
+    syn: Array
 
     @property
     def n(self) -> int:
@@ -236,7 +242,31 @@ def _study_loop(
         tuple(rods),
         row.get("family", ""),
         row.get("motif", "") if row.get("motif") in MOTIFS else "",
+        *_habits(structure.nucleotides, hairpin, positions),
     )
+
+
+def _habits(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array) -> tuple[Array, Array]:
+    """Which sugars are C2'-endo, the half circle of phases about it, and which bases syn."""
+    found = np.full((2, len(hairpin)), np.nan)
+    for k, row in enumerate(hairpin.loop):
+        ring = _atoms(nucleotides, int(row), RING_OF_SUGAR, positions)
+        base = _atoms(nucleotides, int(row), chi_torsion(hairpin.sequence[k + 1]), positions)
+        if ring is not None:
+            found[0, k] = 90.0 < pseudorotation(*ring)[0] < 270.0
+        if base is not None:
+            found[1, k] = abs(torsion_deg(*base)) < 90.0
+    return found[0], found[1]
+
+
+def _atoms(
+    nucleotides: Nucleotides, row: int, names: Sequence[str], positions: Array
+) -> Array | None:
+    if row < 0:
+        return None
+    columns = nucleotides.columns(tuple(names))[row]
+    places = positions[columns]
+    return places if (columns >= 0).all() and np.isfinite(places).all() else None
 
 
 def _databank(entry: str) -> str:

@@ -60,6 +60,7 @@ def report(
     motifs: Sequence[Row],
     lengths: Sequence[Row],
     trials: Sequence[Row],
+    habits: Sequence[Row],
 ) -> str:
     """The tables of the study.
 
@@ -72,6 +73,9 @@ def report(
         As in ``motifs.json``.
     trials : sequence of mapping
         Of :func:`loopelastica.studies.motifs.trials.trial_rows`.
+
+    habits : sequence of mapping
+        Of :func:`loopelastica.studies.motifs.habits.habit_rows`.
 
     Returns
     -------
@@ -91,6 +95,7 @@ def report(
         lines += ["", f"## {acid}, 3 to 9 nucleotides", ""]
         lines.append(_answers([row for row in rows if row["acid"] == acid]))
     lines += ["", "## Motifs, and one shape per length", "", _shapes([*motifs, *lengths])]
+    lines += ["", "## C2'-endo and syn of families left out of the fit", "", _habits(habits)]
     lines += [
         "",
         "Patterns that were tried: mean over loops that have it against mean over all of the"
@@ -146,6 +151,17 @@ def _shapes(rows: Sequence[Row]) -> str:
                 row["name"], row["kind"], row["pattern"], row["loops"], row["sequences"],
                 row["families"], "{} / {}".format(*row["rmsd_A"]),
             )
+            for row in rows
+        ],
+    )  # fmt: skip
+
+
+def _habits(rows: Sequence[Row]) -> str:
+    return _table(
+        ["", "nucleotides", "share", "loss by the share", "by the terms", "ordered rightly"],
+        [
+            [row["habit"], row["nucleotides"], f"{row['share']:.2f}", f"{row['loss_flat']:.4f}",
+             f"{row['loss']:.4f}", f"{row['ordered']:.2f}"]
             for row in rows
         ],
     )  # fmt: skip

@@ -14,6 +14,7 @@ from loopelastica.folding.library import Library
 from loopelastica.folding.library_file import save_library
 from loopelastica.report.records import program
 from loopelastica.studies.motifs.corpus import StudyLoop, library_of, read_corpus
+from loopelastica.studies.motifs.habits import habit_rows, habit_table
 from loopelastica.studies.motifs.judge import ENTRY, LEVELS, RELATIVES, rows_of
 from loopelastica.studies.motifs.report import report
 from loopelastica.studies.motifs.tables import error_tables, length_rows, motif_rows
@@ -67,9 +68,10 @@ def run(folder: Path, out: Path, progress: bool = False) -> Done:
         **program(),
         "motifs": motifs,
         "lengths": lengths,
+        "habits": habit_table(loops),
         "errors": error_tables(calibrating(rows)),
     }
-    tables = report(rows, motifs, lengths, trial_rows(loops, library))
+    tables = report(rows, motifs, lengths, trial_rows(loops, library), habit_rows(loops))
     counts = f"{len(failures)} files could not be read, {len(left_out)} loops were not judged:"
     sentences = [f"- {printable(sentence)}" for sentence in failures + left_out]
     out.mkdir(parents=True, exist_ok=True)

@@ -13,6 +13,7 @@ from loopelastica.molecule.trace import rmsd_A
 from loopelastica.rod.chain import deform_batch
 from loopelastica.studies.coverage import weighted_quantiles
 from loopelastica.studies.motifs.corpus import MOTIFS, StudyLoop
+from loopelastica.studies.motifs.habits import shares
 from loopelastica.studies.motifs.judge import per_sequence
 
 QUANTILES: Final = (0.1, 0.5, 0.9)
@@ -70,6 +71,7 @@ def _row(name: str, pattern: str, kind: str, loops: Sequence[StudyLoop]) -> dict
         "spread_A": round(float(np.mean(per_sequence(rows, np.array(spread))[1])), 2),
         "steps_A": steps.round(4).tolist(),
         "end_frame": end.round(6).tolist(),
+        **shares(loops),
     }
 
 
