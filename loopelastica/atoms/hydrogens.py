@@ -276,6 +276,23 @@ def hydrogen_rules(monomer: Monomer) -> tuple[Rule, ...] | None:
     return _component_rules(base, "dna" if is_dna else "rna")
 
 
+def carriers(monomer: Monomer) -> dict[str, str]:
+    """Heavy atom that carries each hydrogen that a nucleotide may have.
+
+    Parameters
+    ----------
+    monomer : Monomer
+        Its name counts.
+
+    Returns
+    -------
+    dict of str to str
+        Empty where it is unknown.
+    """
+    rules = hydrogen_rules(monomer)
+    return {} if rules is None else {h: r.carrier for r in (*rules, _CAP_5) for h in r.hydrogens}
+
+
 @cache
 def _table() -> Any:
     return json.loads(data_path("hydrogens.json").read_text(encoding="utf-8"))

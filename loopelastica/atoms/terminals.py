@@ -1,7 +1,8 @@
 """Where chains begin and end: bonds along them, and phosphates at their 5' ends.
 
 Templates of force fields begin a chain with HO5'. A phosphate there, as many files have it, is
-refused by Amber's (OL3, OL15); CHARMM36 of OpenMM 8 has no patch for it either.
+refused by Amber's (OL3, OL15); CHARMM36 has a patch for one with a hydrogen, which charged ones
+lack (tried in OpenMM 8).
 """
 
 from __future__ import annotations

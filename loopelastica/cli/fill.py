@@ -24,6 +24,21 @@ _Repair = Annotated[
         " strand. Without it no existing atom moves.",
     ),
 ]
+_Hydrogens = Annotated[
+    bool,
+    typer.Option(
+        "--hydrogens",
+        help="Add hydrogens: to what is built where the file's other nucleotides have them, to"
+        " every nucleotide where they have none.",
+    ),
+]
+_NoPhosphate = Annotated[
+    bool,
+    typer.Option(
+        "--no-5-phosphate",
+        help="Take off phosphates at 5' ends of chains, which force fields refuse.",
+    ),
+]
 _Like = Annotated[
     str | None,
     typer.Option(
@@ -48,6 +63,8 @@ def fill(
     out: o.Out = o.OUT,
     strand: _Strands = None,
     repair: _Repair = False,
+    hydrogens: _Hydrogens = False,
+    no_5_phosphate: _NoPhosphate = False,
     candidates: _Candidates = 1,
     like: _Like = None,
     library: _Library = None,
@@ -75,6 +92,8 @@ def fill(
         options = FillOptions(
             strands=strand or None,
             repair=repair,
+            hydrogens=hydrogens,
+            no_5_phosphate=no_5_phosphate,
             candidates=candidates,
             like=like,
             library=library,

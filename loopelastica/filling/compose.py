@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
@@ -10,6 +11,7 @@ from loopelastica._arrays import Array
 from loopelastica._files import PROGRAM
 from loopelastica._version import __version__
 from loopelastica.atoms.strand import BuiltResidue
+from loopelastica.filling.hydrogens import hydrogenated
 from loopelastica.report.compose import AddedResidue, Changes, Composed, Removed, compose
 from loopelastica.report.pdb import b_factor
 
@@ -54,10 +56,32 @@ def changes_of(filling: Filling, rank: int = 1) -> Changes:
     Returns
     -------
     Changes
-        None at all where nothing was built: the file stays as it is, remarks too.
+        None at all where nothing is added, moved or left out: the file stays as it is, remarks too.
     """
-    if not (filling.filled or filling.completions or filling.repairs):
+    changes, _ = hydrogenated(filling, rank, _built(filling, rank), OCCUPANCY)
+    if not changes:
         return Changes()
+    return replace(changes, notes=tuple(_notes(filling, rank)), software=(PROGRAM, __version__))
+
+
+def hydrogen_remarks(filling: Filling) -> tuple[str, ...]:
+    """What is to be said of hydrogens and 5' phosphates.
+
+    Parameters
+    ----------
+    filling : Filling
+        What was filled.
+
+    Returns
+    -------
+    tuple of str
+        One sentence each.
+    """
+    return hydrogenated(filling, 1, _built(filling, 1), OCCUPANCY)[1]
+
+
+def _built(filling: Filling, rank: int) -> Changes:
+    """What changes by strands, completions and repairs."""
     added: list[AddedResidue] = []
     removed: list[Removed] = []
     for strand in filling.filled:
@@ -81,8 +105,6 @@ def changes_of(filling: Filling, rank: int = 1) -> Changes:
         moved_occupancy=OCCUPANCY,
         moved_b_factor_A2=b_factor(COMPLETED_A),
         removed=tuple(dict.fromkeys(removed)),
-        notes=tuple(_notes(filling, rank)),
-        software=(PROGRAM, __version__),
     )
 
 
@@ -170,3 +192,5 @@ def _notes(filling: Filling, rank: int) -> Iterator[str]:
     if filling.completed:
         yield f"Missing atoms were added to {', '.join(filling.completed)}"
     yield from filling.repaired
+    if filling.options.hydrogens:
+        yield "Hydrogens stand at ideal lengths and angles, hydroxyls where they have room"

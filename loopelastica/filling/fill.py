@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 from loopelastica._files import sha256
 from loopelastica.atoms.strand import StrandModel
 from loopelastica.errors import StructureError
+from loopelastica.filling.compose import hydrogen_remarks
 from loopelastica.filling.models import first_model, strand_models
 from loopelastica.filling.options import FillOptions
 from loopelastica.filling.repair import Mender
@@ -57,7 +58,8 @@ MANY: Final = 3
 def fill(structure: Any, options: FillOptions) -> Filling:
     """Fill the internal gaps of DNA and RNA chains with all their atoms.
 
-    No atom that is there moves, unless `repair` is set.
+    No atom that is there moves, unless `repair` is set, and none goes but waters in the way, 5'
+    phosphates with `no_5_phosphate` and hydrogens at what ends a chain no more.
 
     Parameters
     ----------
@@ -109,7 +111,7 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
         strands += _with_mates(entry, filler.given, list(filler.strands()))
         completions += filler.completions()
         remarks += filler.remarks
-    return Filling(
+    filling = Filling(
         name=entry.name,
         strands=tuple(strands),
         options=options,
@@ -122,6 +124,7 @@ def fill_entry(entry: Entry, options: FillOptions) -> Filling:
         unrepaired=tuple(unrepaired),
         sha256=None if entry.path is None else sha256(entry.path),
     )
+    return replace(filling, remarks=(*filling.remarks, *dict.fromkeys(hydrogen_remarks(filling))))
 
 
 def _with_mates(entry: Entry, atoms: HeavyAtoms, strands: list[FilledStrand]) -> list[FilledStrand]:

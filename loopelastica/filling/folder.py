@@ -11,9 +11,10 @@ from loopelastica._files import PROGRAM, is_whole, whole_folder, write_json, wri
 from loopelastica._names import printable, safe_stem
 from loopelastica._version import __version__
 from loopelastica.atoms.checks import Checks
-from loopelastica.filling.compose import composed, name_of
+from loopelastica.filling.compose import changes_of, composed, name_of
 from loopelastica.filling.result import FilledCandidate, FilledStrand, Filling, Repair
 from loopelastica.report.changes import Removed, label
+from loopelastica.report.compose import compose
 
 MANIFEST: Final = "fill.json"
 _SUFFIX: Final = {"pdb": ".pdb", "mmcif": ".cif"}
@@ -95,7 +96,7 @@ def _same(path: Path, other: Path) -> bool:
 def write_folder(path: Path, filling: Filling) -> dict[str, Any]:
     """Write the folder of a filling: filled.cif or filled.pdb, further candidates, fill.json.
 
-    A structure is written where anything was filled, completed or repaired.
+    A structure is written where anything is different from the file.
 
     Parameters
     ----------
@@ -116,10 +117,12 @@ def write_folder(path: Path, filling: Filling) -> dict[str, Any]:
     """
     with whole_folder(path, MANIFEST) as part:
         files = [MANIFEST]
-        changed = bool(filling.filled or filling.completions or filling.repairs)
         most = max((len(strand.candidates) for strand in filling.filled), default=1)
-        for rank in range(1, most + 1) if changed else ():
-            text, kind = composed(filling, rank)
+        for rank in range(1, most + 1):
+            changes = changes_of(filling, rank)
+            if not changes:
+                break
+            text, kind = compose(filling.entry.text, filling.entry.kind, changes)
             name = ("filled" if rank == 1 else f"filled_{rank}") + _SUFFIX[kind]
             write_text(part / name, text)
             files.append(name)

@@ -31,6 +31,11 @@ class FillOptions(Options):
     repair : bool
         Build anew what is broken: bonds over 2 Å in the chain, wrong hands, clashes inside a
         strand. Otherwise no existing atom moves.
+    hydrogens : bool
+        Add hydrogens, by their wwPDB names: to what is built, completed or repaired where the
+        file's other nucleotides have hydrogens, to every nucleotide where they have none.
+    no_5_phosphate : bool
+        Take off phosphates at 5' ends of chains, which force fields refuse.
     candidates : int
         Most models of each strand, 1 or more; the first is the one that is expected to be nearest.
     like : str, optional
@@ -47,6 +52,8 @@ class FillOptions(Options):
 
     strands: str | Sequence[str] | None = option(None, _strands)
     repair: bool = option(False, flag)
+    hydrogens: bool = option(False, flag)
+    no_5_phosphate: bool = option(False, flag)
     candidates: int = option(1, whole(1))
     like: str | None = option(None, optional(likeness))
     library: str | None = option(None, optional(file_name))

@@ -26,8 +26,8 @@ from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.report.pdb import (
     WholeStructure,
     bond_records,
+    chain_letters,
     expected_records,
-    one_letter_chains,
     point_records,
     renamed_records,
 )
@@ -120,8 +120,7 @@ def write_fold(
     FileExistsError
         If the folder cannot be written without harm to what is there.
     """
-    chains = structure.nucleotides.chain.tolist()
-    letter = one_letter_chains(chains)[fold.hairpin.chain]
+    letter = chain_letters(structure)[fold.hairpin.chain]
     rows = [
         {**loop_row(fold), **candidate_row(c), **(atoms.columns(c.rank) if atoms else {})}
         for c in fold.candidates

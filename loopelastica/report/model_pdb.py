@@ -16,7 +16,7 @@ from loopelastica.atoms.model import AtomModel
 from loopelastica.errors import StructureError
 from loopelastica.report.model_notes import Source, notes, title
 from loopelastica.report.model_structure import ModelStructure
-from loopelastica.report.pdb import one_letter_chains, renamed_records
+from loopelastica.report.pdb import cell_record, chain_letters, renamed_records
 from loopelastica.report.pdb_lines import LAST_SERIAL, fits_columns
 
 _NUMBERS: Final = range(-999, 10_000)
@@ -88,10 +88,6 @@ def no_room(structure: ModelStructure) -> str:
     return "" if far is None else "coordinates have more than four digits before the point"
 
 
-def _letters(structure: ModelStructure) -> dict[str, str]:
-    return one_letter_chains(part[0].chain for part in structure.parts)
-
-
 def _header(
     structure: ModelStructure, models: Sequence[AtomModel], source: Source
 ) -> Iterator[str]:
@@ -101,12 +97,14 @@ def _header(
         yield f"TITLE     {line}" if k == 1 else f"TITLE   {k:2d} {line}"
     for note in notes(atoms, models, source):
         yield f"REMARK  99 {note}"
-    yield from renamed_records(_letters(structure))
-    origin = atoms.assembly.origin
-    if origin.cell is not None:
-        lengths = "".join(f"{value:9.3f}" for value in origin.cell[:3])
-        angles = "".join(f"{value:7.2f}" for value in origin.cell[3:])
-        yield f"CRYST1{lengths}{angles} {origin.space_group or 'P 1'}"
+    letters = _letters(structure)
+    yield from renamed_records({part[0].chain: letters[part[0].chain] for part in structure.parts})
+    yield from cell_record(atoms.assembly.origin)
+
+
+def _letters(structure: ModelStructure) -> dict[str, str]:
+    # without a name of its own a chain has none, even if its segment has one
+    return {**chain_letters(structure.atoms.structure), "": ""}
 
 
 def _body(structure: ModelStructure, model: AtomModel) -> list[str]:

@@ -17,6 +17,7 @@ from loopelastica._version import __version__
 from loopelastica.folding.rank import Candidate
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb, pdb_records, quiet
+from loopelastica.molecule.origin import Origin, origin_of
 
 POINT = "CEN"
 """Atom name of the point of the line that stands for a nucleotide."""
@@ -60,9 +61,27 @@ def one_letter_chains(chains: Iterable[str]) -> dict[str, str]:
     }
 
 
-def renamed(chains: Iterable[str]) -> dict[str, str]:
+def chain_letters(structure: Structure) -> dict[str, str]:
+    """A letter of the PDB format for each chain of a structure, the same in all its files."""
+    return one_letter_chains(_chains(structure.universe))
+
+
+def renamed(structure: Structure) -> dict[str, str]:
     """The chains that the PDB format makes another letter, with that letter."""
-    return {chain: a for chain, a in one_letter_chains(chains).items() if chain != a}
+    return {chain: a for chain, a in chain_letters(structure).items() if chain != a}
+
+
+def cell_record(origin: Origin) -> list[str]:
+    """The CRYST1 record of a unit cell; none where there is no cell.
+
+    >>> cell_record(Origin((40.0, 50.0, 60.0, 90.0, 90.0, 90.0), "P 21 21 21"))
+    ['CRYST1   40.000   50.000   60.000  90.00  90.00  90.00 P 21 21 21']
+    """
+    if origin.cell is None:
+        return []
+    lengths = "".join(f"{value:9.3f}" for value in origin.cell[:3])
+    angles = "".join(f"{value:7.2f}" for value in origin.cell[3:])
+    return [f"CRYST1{lengths}{angles} {origin.space_group or 'P 1'}"]
 
 
 def renamed_records(letters: dict[str, str]) -> list[str]:
@@ -183,7 +202,7 @@ class WholeStructure:
         self._letters: dict[str, str] = {}
         if sum(record.startswith(_ATOMS) for record in self._records) != len(residues):
             chains = _chains(structure.universe)
-            self._letters = one_letter_chains(chains)
+            self._letters = chain_letters(structure)
             self._records = _made_anew(structure, [self._letters[chain] for chain in chains])
         atom = np.cumsum([record.startswith(_ATOMS) for record in self._records]) - 1
         own = np.array([record.startswith((*_ATOMS, "ANISOU")) for record in self._records])
@@ -263,10 +282,13 @@ def _made_anew(structure: Structure, chains: list[str]) -> list[str]:
                 copy.add_TopologyAttr(name, [pdb_name(str(value)) for value in values])
         copy.atoms.positions = structure.positions(0)
         copy.atoms.write(str(path), bonds=None)
-        # MDAnalysis begins residue names at the left, the format ends them at the right
-        return [
+        # MDAnalysis begins residue names at the left, the format ends them at the right; and it
+        # invents a unit cell
+        records = [
             f"{r[:17]}{r[17:21].strip():>3s}{r[20:] if r[20] == ' ' else r[21:]}"
             if r.startswith(_ATOMS)
             else r
             for r in pdb_records(path)
+            if not r.startswith("CRYST1")
         ]
+        return cell_record(origin_of(structure)) + records

@@ -328,14 +328,15 @@ def _complete(plan: Plan, rows: Sequence[Row], run: range, residue: AddedResidue
     altlocs = {rows[i].altloc for i in mine}
     altloc = altlocs.pop() if len(altlocs) == 1 else ""
     names = {rows[i].name for i in mine}
-    present = {today(rows[i].name): i for i in mine}
+    present = {today(rows[i].name): i for i in mine if i not in plan.gone}
     rank = _ranks({*present, *residue.names})
     for k, name in _sorted(residue):
         if today(name) in present:
             raise StructureError(
                 f"{residue.label}: the file has its atom {name}, which can therefore not be added"
             )
-        own = rank.get(name, len(rank))
+        # hydrogens come behind all heavy atoms
+        own = len(rank) + 1 if residue.elements[k] == "H" else rank.get(name, len(rank))
         earlier = [i for other, i in present.items() if rank.get(other, len(rank)) < own]
         atom = NewAtom(residue, k, _spelt(name, names), resname, altloc, mine[0], True)
         if earlier:

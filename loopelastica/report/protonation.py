@@ -95,7 +95,8 @@ def protonate(assembly: Assembly, atoms: LoopAtoms) -> None:
         for which, hydrogens in ((far, fixed), (near, of_models[0]))
         for row, new in zip(which, hydrogens, strict=True)
     }
-    completed, replaced = [], []
+    completed: list[str] = []
+    replaced: list[str] = []
     for row in rows:
         residue, new = nucleotides[row], list(new_of[row])
         odd, lacking = residue.hydrogens.difference(new), set(new) - residue.hydrogens

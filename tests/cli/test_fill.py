@@ -96,6 +96,32 @@ def test_further_candidates_are_files_of_their_own(tmp_path, out):
     assert len(table(out / "summary.csv")) == 1
 
 
+def test_hydrogens_come_and_5_phosphates_go_by_their_options(tmp_path, out):
+    file = gapped.gapped(tmp_path / "a.pdb", {6, 7})
+    result = run(file, "--hydrogens", "-o", out)
+    assert result.exit_code == 0, result.output
+    assert "A.G1: its 5' phosphate is refused by Amber's and CHARMM's" in result.output
+    filled = out / "a" / "filled.pdb"
+    assert sum(line[76:78] == " H" for line in filled.read_text().splitlines()) == 152
+    gapped.check_chain(gapped.read(filled))
+    result = run(file, "--hydrogens", "--no-5-phosphate", "-o", out)
+    assert result.exit_code == 0, result.output
+    assert "phosphate" not in result.output
+    names = [line[12:16] for line in filled.read_text().splitlines() if line[22:26] == "   1"]
+    assert "HO5'" in names
+    assert " P  " not in names
+    parameters = json.loads((out / "a" / "fill.json").read_text())["parameters"]
+    assert parameters["hydrogens"] is parameters["no_5_phosphate"] is True
+
+
+def test_a_file_without_gaps_is_written_where_it_gets_hydrogens(tmp_path, out):
+    file = gapped.gapped(tmp_path / "a.pdb", ())
+    assert run(file, "-o", out).exit_code == 0
+    assert results(out) == {"a/fill.json"}
+    assert run(file, "--hydrogens", "-o", out).exit_code == 0
+    assert results(out) == {"a/fill.json", "a/filled.pdb"}
+
+
 def test_a_gap_without_a_sequence_is_refused_and_the_sentence_shows_the_way(tmp_path, out):
     file = gapped.pdb(tmp_path / "a.pdb", gapped.chain({6, 7}))
     result = run(file, "-o", out)

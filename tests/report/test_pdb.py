@@ -12,6 +12,7 @@ import pytest
 import loopelastica as le
 from loopelastica._files import data_path
 from loopelastica.molecule.nucleotides import read_structure
+from loopelastica.report.folder import write_fold
 from loopelastica.report.pdb import (
     B_MAX_A2,
     WholeStructure,
@@ -20,6 +21,7 @@ from loopelastica.report.pdb import (
     expected_records,
     one_letter_chains,
     point_records,
+    renamed,
 )
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
@@ -253,3 +255,31 @@ def test_the_whole_structure_says_what_its_loop_is(shipped):
     expected = b_factor(float(fold.candidates[0].expected_rmsd_A[1]))
     (written,) = {float(s[60:66]) for s in points}
     assert written == pytest.approx(expected, abs=0.006)
+
+
+def test_no_unit_cell_is_invented_where_records_are_made_anew(tmp_path, write_cif):
+    path = write_cif(tmp_path / "made.cif", "A")
+    structure = read_structure(path)
+    (fold,) = le.fold(structure, all_models=False, max_candidates=1, shapes="rod")
+    WholeStructure(structure).write(tmp_path / "whole.pdb", fold)
+    assert "CRYST1" not in (tmp_path / "whole.pdb").read_text()
+    cell = ("length_a 40.0", "length_b 50.0", "length_c 60.0", "angle_alpha 90.0",
+            "angle_beta 90.0", "angle_gamma 90.0")  # fmt: skip
+    path.write_text("\n".join([path.read_text(), *(f"_cell.{one}" for one in cell), ""]))
+    WholeStructure(read_structure(path)).write(tmp_path / "whole.pdb", fold)
+    assert "CRYST1   40.000   50.000   60.000" in (tmp_path / "whole.pdb").read_text()
+
+
+def test_a_chain_has_one_letter_in_all_files(tmp_path, write_cif):
+    path = write_cif(tmp_path / "two.cif", "RNA")
+    # another chain has the letter that is first
+    other = "ATOM 9000 C CA . GLY B 2 1 ? 60.0 60.0 60.0 1.0 0.0 1 GLY A CA 1"
+    path.write_text(f"{path.read_text().rstrip()}\n{other}\n")
+    structure = read_structure(path)
+    assert renamed(structure) == {"RNA": "B"}
+    (fold,) = le.fold(structure, all_models=False, max_candidates=1, shapes="rod")
+    out = tmp_path / "out"
+    write_fold(out, path, fold, structure, plot=False, whole=WholeStructure(structure))
+    for name in ("traces.pdb", "whole.pdb"):
+        points = [r for r in (out / name).read_text().splitlines() if r[12:16] == " CEN"]
+        assert {r[21] for r in points} == {"B"}

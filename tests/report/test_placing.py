@@ -1,8 +1,9 @@
+import numpy as np
 import pytest
 from strand import NAMES, added, pdb_lines, place_of
 
 from loopelastica.errors import StructureError
-from loopelastica.report.changes import Changes, Removed
+from loopelastica.report.changes import AddedResidue, Changes, Removed
 from loopelastica.report.compose_pdb import compose_pdb
 from loopelastica.report.placing import Row, plan_for, renumbered
 
@@ -65,6 +66,32 @@ def test_hydrogens_stay_behind_what_is_completed():
         0: ["O5'"],
         1: ["O3'"],
     }
+
+
+def _new(**atoms):
+    """Atoms of nucleotide 1 by names, with their elements."""
+    return AddedResidue(
+        model=0, chain="A", number=1, icode="", resname="2MG", after=None,
+        names=tuple(atoms["names"]), elements=tuple(atoms["elements"]),
+        positions_A=np.zeros((len(atoms["names"]), 3)),
+    )  # fmt: skip
+
+
+def test_added_hydrogens_come_behind_all_heavy_atoms():
+    rows = _rows((1, "2MG", ("P", "C4'", "N1", "CM2")))
+    plan = _plan(rows, added=(_new(names=("H1'", "O5'", "HN1"), elements="HOH"),))
+    assert {row: [a.name for a in atoms] for row, atoms in plan.after.items()} == {
+        0: ["O5'"],
+        3: ["H1'", "HN1"],
+    }
+
+
+def test_an_atom_may_be_left_out_and_another_added_by_its_name():
+    rows = _rows((1, "2MG", ("P", "O5'", "HO5'")))
+    removed = Removed(0, "A", 1, "", "2MG", "HO5'")
+    plan = _plan(rows, added=(_new(names=("HO5'",), elements="H"),), removed=(removed,))
+    assert plan.gone == {2}
+    assert [a.name for a in plan.new] == ["HO5'"]
 
 
 @pytest.mark.parametrize(

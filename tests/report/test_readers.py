@@ -127,6 +127,72 @@ def test_biotite(rich, kind):
         np.testing.assert_allclose(found.coord, places, atol=1e-4)
 
 
+REAL = ("1ac7.pdb.gz", "1idx.pdb.gz", "1zih_rosetta.pdb.gz", "1kr8.pdb.gz", "boxb_nochain.pdb.gz",
+        "1ehz.cif.gz", "430d.pdb.gz", "1k5i_c36.pdb.gz", "4gxy.pdb.gz")  # fmt: skip
+# with other molecules, or nucleotides that the force field does not know
+NOT_IN_OL = REAL[1:2] + REAL[4:]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", REAL)
+def test_files_of_real_structures_are_read_with_every_atom_where_it_was(
+    hairpin_folder, tmp_path, name
+):
+    gemmi = pytest.importorskip("gemmi")
+    import loopelastica as le
+    from loopelastica.molecule.nucleotides import read_structure
+    from loopelastica.report.atoms import LoopAtoms
+
+    structure = read_structure(hairpin_folder / name)
+    folds = le.fold(structure, all_models=False, max_candidates=1, surroundings=False)
+    loop = next(one for one in folds if one.failure is None)
+    models = tuple(le.build_atoms(structure, loop))
+    atoms = LoopAtoms(structure, loop, models, structure.positions(0), hydrogens=True,
+                      no_5_phosphate=True)  # fmt: skip
+    write_atoms(tmp_path, atoms)
+    wanted = expected(atoms, models[0])
+    for kind in ("pdb", "cif"):
+        read = gemmi.read_structure(str(tmp_path / f"atoms.{kind}"))
+        # gemmi brings the parts of a chain together
+        found = [(c.residue.seqid.num, c.atom.name, c.atom.pos.tolist()) for c in read[0].all()]
+        assert sorted(found) == sorted(wanted)
+    lines = (tmp_path / "atoms.pdb").read_text().splitlines()
+    assert all(len(one) <= 80 and one.isascii() for one in lines)
+    nucleotides = [r for r in atoms.assembly.residues if r.nucleotide is not None]
+    assert all(r.hydrogens for r in nucleotides)
+    if name not in NOT_IN_OL:
+        app = pytest.importorskip("openmm.app")
+        read = app.PDBFile(str(tmp_path / "atoms.pdb"))
+        field = app.ForceField("amber14/RNA.OL3.xml", "amber14/DNA.OL15.xml")
+        assert field.createSystem(read.topology).getNumParticles() == len(wanted)
+
+
+@pytest.mark.slow
+def test_a_whole_ribosome_is_written(hairpin_folder, tmp_path):
+    gemmi = pytest.importorskip("gemmi")
+    from loopelastica.atoms.model import build_atoms
+    from loopelastica.folding.fold import fold_hairpins
+    from loopelastica.folding.options import FoldOptions
+    from loopelastica.molecule.hairpins import find_hairpins
+    from loopelastica.molecule.nucleotides import read_structure
+    from loopelastica.report.atoms import LoopAtoms
+
+    structure = read_structure(hairpin_folder / "1s72.pdb.gz")
+    hairpin = next(h for h in find_hairpins(structure) if len(h) == 4)
+    options = FoldOptions(all_models=False, max_candidates=2, surroundings=False)
+    (loop,) = fold_hairpins(structure, [hairpin], options)
+    models = tuple(build_atoms(structure, loop))
+    atoms = LoopAtoms(structure, loop, models, structure.positions(0))
+    write_atoms(tmp_path, atoms)
+    n = len(atoms.held.rows)
+    for kind in ("pdb", "cif"):
+        read = gemmi.read_structure(str(tmp_path / f"atoms.{kind}"))
+        assert [model.count_atom_sites() for model in read] == [n] * len(atoms.written)
+    # with hydrogens there are more atoms than serial numbers
+    atoms = LoopAtoms(structure, loop, models, structure.positions(0), hydrogens=True)
+    assert any("serial numbers" in remark for remark in atoms.remarks)
+
+
 def test_it_is_read_by_this_program_again(rich):
     from loopelastica.molecule.hairpins import find_hairpins
     from loopelastica.molecule.nucleotides import read_structure
