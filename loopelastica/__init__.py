@@ -40,6 +40,8 @@ _PUBLIC = {
     "build_library": "batch.shapes",
     "build_atoms": "atoms.model",
     "AtomModel": "atoms.model",
+    "build": "atoms.build",
+    "HairpinModel": "atoms.build",
     "fill": "filling.fill",
     "Filling": "filling.result",
     "FilledStrand": "filling.result",
@@ -52,6 +54,8 @@ _PUBLIC = {
 __all__ = ["__version__", *_PUBLIC]
 
 if TYPE_CHECKING:
+    from loopelastica.atoms.build import HairpinModel as HairpinModel
+    from loopelastica.atoms.build import build as build
     from loopelastica.atoms.model import AtomModel as AtomModel
     from loopelastica.atoms.model import build_atoms as build_atoms
     from loopelastica.batch.shapes import build_library as build_library

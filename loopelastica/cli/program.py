@@ -37,6 +37,7 @@ _OPTIONS = {
     "max_candidates": "--candidates",
     "max_size_MB": "--max-size",
     "persistence_length_A": "--persistence-length",
+    "rna": "--rna or --dna",
     "strands": "--strand",
     "tapers": "--taper",
 }

@@ -43,6 +43,7 @@ _SHORT: Final = re.compile(r"\+?([RD]?)([ACGUTN])[35N]?")
 _PARENTS: Final = {
     **{"A2M": "A", "MA6": "A", "T6A": "A", "MIA": "A", "I": "G", "DI": "G", "YG": "G", "YYG": "G"},
     **{"QUO": "G", "GTP": "G", "GDP": "G", "ATP": "A", "CTP": "C", "UTP": "U", "CCC": "C"},
+    **{"5MC": "C"},
     **{"U34": "U", "4SU": "U", "70U": "U", "CM0": "U", "3AU": "U", "UR3": "U", "CBV": "C"},
 }
 _OTHER_NAMES: Final = {"O1P": "OP1", "O2P": "OP2", "O3P": "OP3"}

@@ -16,7 +16,8 @@ from cut_strands import (
 from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
-from loopelastica.atoms.sequence import ideal_hairpin
+from loopelastica.atoms.hairpin import ideal_hairpin
+from loopelastica.atoms.sequence import read_sequence
 from loopelastica.atoms.strand import WATER_A, build_strand, complete_nucleotide
 from loopelastica.errors import StructureError
 from loopelastica.molecule.nucleotides import BACKBONE
@@ -33,7 +34,7 @@ def rna(koc):
 @pytest.fixture(scope="module")
 def dna():
     """Ten nucleotides of an ideal B strand: the first half of a stem."""
-    structure, _, _ = ideal_hairpin("GCGAATCTGC(TTT)GCAGATTCGC", is_dna=True)
+    structure, _, _ = ideal_hairpin(read_sequence("GCGAATCTGC(TTT)GCAGATTCGC"))
     return monomers(structure)[:10]
 
 

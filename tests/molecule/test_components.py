@@ -62,3 +62,13 @@ def test_the_base_by_its_atoms():
     assert letter_of([*ring, "N9", "C8", "O6"], is_dna=False) == "G"
     assert letter_of([*ring, "O4", "C7"], is_dna=True) == "T"
     assert letter_of(ring[:-1], is_dna=True) == "N"
+
+
+def test_every_methylated_nucleotide_is_known_by_its_name():
+    for name, methyls in METHYLATED.items():
+        known = component(name)
+        assert known is not None, name
+        # a carrier that the parent has
+        names = expected_atoms(known.letter, known.letter, is_dna=False)
+        assert {carrier for _, carrier in methyls} <= set(names)
+    assert component("5MC").letter == "C"
