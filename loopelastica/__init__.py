@@ -45,6 +45,7 @@ _PUBLIC = {
     "fill": "filling.fill",
     "Filling": "filling.result",
     "FilledStrand": "filling.result",
+    "restraints": "simulation",
     "to_dataframe": "report.dataframe",
     "LoopelasticaError": "errors",
     "StructureError": "errors",
@@ -94,6 +95,7 @@ if TYPE_CHECKING:
     from loopelastica.rod.parameters import PhysicalParameters as PhysicalParameters
     from loopelastica.rod.rest_shape import RestShape as RestShape
     from loopelastica.rod.solve import solve as solve
+    from loopelastica.simulation import restraints as restraints
 
 
 def __getattr__(name: str) -> Any:

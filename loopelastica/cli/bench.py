@@ -63,6 +63,25 @@ def bench_atoms(
             tell(line)
 
 
+@bench.command("simulation", cls=Command)
+def bench_simulation(
+    folder: Annotated[Path, typer.Argument(help="Folder of structure files.", show_default=False)],
+    out: _Out = _RESULTS / "simulation",
+    full: Annotated[
+        bool, typer.Option("--full", help="Every file, twenty built hairpins; an hour.")
+    ] = False,
+) -> None:
+    """Hand folded and built models, and natives, to OpenMM's force fields; minimize them."""
+    from loopelastica.molecule.folders import structure_files
+    from loopelastica.studies.simulation.study import run
+
+    with o.usage():
+        structure_files(folder)  # before a folder is made
+    with o.study(out):
+        for line in run(folder, out, full=full, progress=True).splitlines():
+            tell(line)
+
+
 @bench.command("strands", cls=Command)
 def bench_strands(
     folders: Annotated[

@@ -14,15 +14,11 @@ from loopelastica.errors import MissingDependencyError
 from loopelastica.molecule.nucleotides import BACKBONE
 from loopelastica.molecule.polymer import Gap, HeavyAtoms
 from loopelastica.molecule.trace import rmsd_A
+from loopelastica.studies.hands import wrong_hands
 
 AROUND_A: Final = 12.0
 """How much of the structure it is given around the strand: the whole takes it minutes."""
 _SEED: Final = 1
-_HANDS: Final = (
-    ("C1'", ("O4'", "C2'", "base")),
-    ("C3'", ("C4'", "C2'", "O3'")),
-    ("C4'", ("C5'", "C3'", "O4'")),
-)
 
 
 def filled_by_pdbfixer(gap: Gap, atoms: HeavyAtoms) -> dict[str, Any]:
@@ -75,7 +71,7 @@ def filled_by_pdbfixer(gap: Gap, atoms: HeavyAtoms) -> dict[str, Any]:
     own = np.array([[one[name] for name in BACKBONE] for one in built]).mean(axis=1)
     return {
         "pdbfixer_rmsd_A": rmsd_A(own, native),
-        "pdbfixer_wrong_hands": sum(map(_wrong_hands, built)),
+        "pdbfixer_wrong_hands": sum(map(wrong_hands, built)),
         "pdbfixer_worst_bond_A": _worst_bond(gap, built),
         "pdbfixer_closest_A": _closest(gap, built, atoms),
         "pdbfixer_s": spent,
@@ -108,15 +104,6 @@ def _cropped(gap: Gap, atoms: HeavyAtoms) -> tuple[str, int]:
 
 def _padded(name: str) -> str:
     return name if len(name) > 3 else f" {name}"
-
-
-def _wrong_hands(one: dict[str, Array]) -> int:
-    base = "N9" if "N9" in one else "N1"
-    wrong = 0
-    for centre, names in _HANDS:
-        a, b, c = (one[base if name == "base" else name] - one[centre] for name in names)
-        wrong += bool(a @ np.cross(b, c) < 0.5)
-    return wrong
 
 
 def _worst_bond(gap: Gap, built: list[dict[str, Array]]) -> float:
