@@ -21,8 +21,9 @@ from loopelastica._arrays import Array
 from loopelastica.atoms.carry import Bent, Curve
 from loopelastica.atoms.checks import OUTSIDE, Checks, check
 from loopelastica.atoms.measures import angles_deg, bond_lengths
-from loopelastica.atoms.minimum import Problem, into_clusters, mended, minimum, right_phosphates
+from loopelastica.atoms.minimum import into_clusters, mended, minimum, right_phosphates
 from loopelastica.atoms.relax import Relaxed
+from loopelastica.atoms.restraints import Problem
 from loopelastica.atoms.site import Site
 from loopelastica.atoms.start import start_on
 from loopelastica.atoms.turn import Turns, turned
