@@ -2,8 +2,9 @@
 
 Which hydrogens a nucleotide has, and on which side of its neighbours each one is, says the table
 ``data/hydrogens.json``, made from the wwPDB's dictionary by ``data/make_hydrogens.py``. Fixed ones
-are placed at ideal lengths and angles from the heavy atoms that are there; a hydroxyl or a methyl
-group turns to where it has room and, of hydroxyls, a hydrogen bond.
+are placed at ideal lengths and angles from the heavy atoms that are there, and bent aside where
+they come too near to something else; a hydroxyl or a methyl group turns to where it has room and,
+of hydroxyls, a hydrogen bond.
 
 Lengths and angles are those of Amber's parm94, which OL3 and OL15 keep: Cornell et al., J. Am.
 Chem. Soc. 117 (1995) 5179, doi:10.1021/ja00124a002. Acids (phosphates) have no hydrogen.
@@ -23,6 +24,7 @@ from scipy.spatial import cKDTree
 
 from loopelastica._arrays import Array
 from loopelastica._files import data_path
+from loopelastica.atoms.easing import eased
 from loopelastica.atoms.turning import turned
 from loopelastica.molecule.components import METHYLATED, is_standard
 from loopelastica.molecule.nucleotides import enumerated
@@ -106,8 +108,8 @@ def add_hydrogens(
         groups[site.rule.kind, len(site.rows)].append(site)
     for (kind, _), group in groups.items():
         _place(kind, group, heavy, placed, refused)
-    for key in [key for key in placed if key[0] in refused]:
-        del placed[key]
+    placed = {key: at for key, at in placed.items() if key[0] not in refused}
+    _ease([s for s in sites if (s.k, s.rule.hydrogens[0]) in placed], heavy, placed)
     turning = [s for s in sites if s.rule.kind == "turning" and s.k not in refused]
     _turn([s for s in turning if not heavy.linked(s.rows)], heavy, placed)
     remarks |= {
@@ -235,6 +237,20 @@ def _place(
                 f"the neighbours of {site.rule.carrier} leave no place for {site.rule.hydrogens[0]}"
             )
             refused.setdefault(site.k, why)
+
+
+def _ease(group: Sequence[_Site], heavy: _Heavy, placed: dict[tuple[int, str], Array]) -> None:
+    """Bend aside what is placed too near to something else."""
+    if not group:
+        return
+    keys = [(site.k, site.rule.hydrogens[0]) for site in group]
+    places = eased(
+        np.array([placed[key] for key in keys]),
+        heavy.own_A[np.array([site.rows[0] for site in group])],
+        np.array([site.rule.carrier[0] in "NO" for site in group]),
+        heavy.all_A,
+    )
+    placed.update(zip(keys, places, strict=True))
 
 
 def _turn(group: Sequence[_Site], heavy: _Heavy, placed: dict[tuple[int, str], Array]) -> None:

@@ -21,8 +21,9 @@ from loopelastica._arrays import Array
 from loopelastica.atoms.carry import Bent, Curve
 from loopelastica.atoms.checks import OUTSIDE, Checks, check
 from loopelastica.atoms.measures import angles_deg, bond_lengths
-from loopelastica.atoms.minimum import Problem, into_clusters, mended, minimum, right_phosphates
+from loopelastica.atoms.minimum import into_clusters, mended, minimum, right_phosphates
 from loopelastica.atoms.relax import Relaxed
+from loopelastica.atoms.restraints import Problem
 from loopelastica.atoms.site import Site
 from loopelastica.atoms.start import start_on
 from loopelastica.atoms.turn import Turns, turned
@@ -126,6 +127,9 @@ def best_on(site: Site, line: Curve, limits: Limits) -> tuple[Attempt, list[Turn
     first = _combinations(site, line, max(limits.tries, 3))
     attempts: list[Attempt] = []
     for curve, turns, line_sd in _schedule(site, line, first):
+        # where the line itself leads to few sound models, one is enough
+        if len(attempts) >= len(first) and any(attempt.good for attempt in attempts):
+            break
         attempts.append(_attempt(problem, curve, turns, line_sd, limits, end))
         if sum(attempt.good for attempt in attempts) == limits.tries or time.monotonic() > end:
             break

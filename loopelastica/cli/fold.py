@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from loopelastica.batch.run import Row
     from loopelastica.folding.options import FoldOptions
     from loopelastica.folding.result import LoopFold
-    from loopelastica.report.atoms import LoopAtoms
     from loopelastica.report.folder import Folders
+    from loopelastica.report.tables import LoopModels
 
 
 def fold(
@@ -180,7 +180,7 @@ class _Results:
     """What became of the files: for the screen, for the tables, and to be said."""
 
     shown: "list[tuple[str, LoopFold | str, Path | None]]" = field(default_factory=list)
-    built: "list[tuple[str, LoopAtoms]]" = field(default_factory=list)
+    built: "list[tuple[str, LoopModels]]" = field(default_factory=list)
     rows: list[dict[str, Any]] = field(default_factory=list)
     failures: list[dict[str, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -257,6 +257,7 @@ def _fold_file(
     from loopelastica.report.folder import write_fold
     from loopelastica.report.listing import remarks
     from loopelastica.report.pdb import WHOLE_ATOMS, WholeStructure, renamed
+    from loopelastica.report.tables import LoopModels
 
     path = Path(file)
     structure = read_structure(file, options.limits)
@@ -297,7 +298,7 @@ def _fold_file(
         rows = loop_rows(file, loop)
         if built is not None:
             rows = [{**row, **built.figures(row["rank"])} for row in rows]
-            results.built.append((path.name, built))
+            results.built.append((path.name, LoopModels(loop, built.models)))
         results.rows += [{**row, "folder": folder.name} for row in rows]
         results.shown.append((path.name, loop, folder))
         sentences += loop.remarks

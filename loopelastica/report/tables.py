@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rich.console import Console
 from rich.table import Table
@@ -10,6 +10,7 @@ from rich.table import Table
 from loopelastica._names import printable
 
 if TYPE_CHECKING:
+    from loopelastica.atoms.model import AtomModel
     from loopelastica.folding.library import Library
     from loopelastica.folding.result import LoopFold
     from loopelastica.folding.scan import LoopScan
@@ -82,12 +83,19 @@ def fold_table(results: "list[tuple[str, LoopFold | str, Path | None]]") -> Tabl
     return table
 
 
-def atoms_table(results: "Sequence[tuple[str, LoopAtoms]]") -> Table:
+class LoopModels(NamedTuple):
+    """What the table of atoms shows of a loop; without its structure, for many can be kept."""
+
+    fold: "LoopFold"
+    models: "tuple[AtomModel, ...]"
+
+
+def atoms_table(results: "Sequence[tuple[str, LoopModels | LoopAtoms]]") -> Table:
     """Atoms that were built, a row per candidate.
 
     Parameters
     ----------
-    results : sequence of (str, LoopAtoms)
+    results : sequence of (str, LoopModels or LoopAtoms)
         Name of the file, and what was built in it.
 
     Returns

@@ -163,6 +163,16 @@ def test_methyl_groups_leave_the_pairs_alone(text):
                 assert 1.3 < np.linalg.norm(at[name] - at[carrier]) < 1.6
 
 
+@pytest.mark.parametrize(
+    ("text", "methyl", "outer", "inner"),
+    [("G[2MG]C(UUCG)GCC", "CM2", "N3", "N1"), ("G[6MZ]C(UUCG)GUC", "C9", "C5", "N1")],
+)
+def test_methyl_groups_of_amines_turn_away_from_the_pair(text, methyl, outer, inner):
+    at = duplex(read_sequence(text)).atoms(1)
+    away = {name: np.linalg.norm(at[methyl] - at[name]) for name in (outer, inner)}
+    assert away[outer] < away[inner] - 0.5
+
+
 @pytest.mark.parametrize("pair", ["AA", "AC", "AG", "CA", "CC", "CU", "GA", "GG", "UC", "UU"])
 @pytest.mark.parametrize("kind", ["RNA", "DNA"])
 def test_mismatches_stand_where_they_find_room(pair, kind):

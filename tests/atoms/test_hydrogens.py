@@ -96,7 +96,7 @@ def test_fixed_hydrogens_lie_where_2koc_has_them():
 
 
 @pytest.mark.parametrize(
-    "name", ["17ra", "1anr", "1hlx", "1szy", "1ebq", "1kka", "1ac7", "1bjh", "1jve", "2l5k"]
+    "name", ["1anr", "1hlx", "1szy", "1k2g", "1aqo", "1k5i", "1ac7", "1bjh", "1jve", "2l5k"]
 )
 def test_fixed_hydrogens_lie_where_nmr_entries_have_them(hairpin_folder, name):
     assert_as_in(hairpin_folder / f"{name}.pdb.gz")
@@ -200,6 +200,27 @@ def test_no_hydrogen_of_an_ideal_strand_comes_near_another_atom(is_dna):
     # itself, its carrier, and the next
     nearest = cKDTree(everything).query(hydrogens, k=3)[0]
     assert nearest[:, 2].min() > 1.5
+
+
+def test_hydrogens_of_sound_heavy_atoms_that_would_clash_are_bent_aside():
+    first, second = (strand("G", is_dna=False)[0] for _ in range(2))
+    (hydrogens,) = add_hydrogens([first], [(False, False)], NOTHING)
+    # another nucleotide whose C8 faces this one's C8, 3.0 Å away
+    c8 = first.atoms_A["C8"]
+    along = (hydrogens["H8"] - c8) / 1.08
+    half_turn = Rotation.from_rotvec(np.pi * np.array(perpendicular(along))).as_matrix()
+    moved = {x: half_turn @ (at - c8) + c8 + 3.0 * along for x, at in second.atoms_A.items()}
+    second = replace(second, number=2, atoms_A=moved)
+    found = add_hydrogens([first, second], [(False, False)] * 2, NOTHING)
+    apart = np.linalg.norm(found[0]["H8"] - found[1]["H8"])
+    assert apart > 1.25
+    assert np.linalg.norm(found[0]["H8"] - c8) == pytest.approx(1.08)
+
+
+def perpendicular(vector):
+    """A unit vector across another one."""
+    across = np.cross(vector, [0.3, 0.5, 0.81])
+    return across / np.linalg.norm(across)
 
 
 def test_a_hydroxyl_gives_way_to_what_stands_there():

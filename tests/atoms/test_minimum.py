@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from loopelastica.atoms.geometry import chiral_quads
-from loopelastica.atoms.minimum import Problem, minimum, right_phosphates
+from loopelastica.atoms.minimum import minimum, right_phosphates
+from loopelastica.atoms.restraints import Problem
 from loopelastica.atoms.site import site_of
 from loopelastica.molecule.nucleotides import BACKBONE
 
