@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from loopelastica._files import data_path
+from loopelastica.errors import StructureError
 from loopelastica.studies.simulation.cases import (
     BUILT,
     Case,
@@ -56,10 +57,13 @@ def test_a_file_that_cannot_be_used_is_a_case_with_its_reason(tmp_path):
     assert "this is not a PDB structure" in case.failure
 
 
-def test_a_sequence_that_cannot_be_built_is_a_case_with_its_reason(tmp_path):
-    (case,) = built_cases(tmp_path, {"RNA": ("GGG(GAAA)CCA",)})
-    assert case.path is None
-    assert case.failure
+def test_a_sequence_that_cannot_be_folded_is_a_case_with_its_reason(tmp_path, monkeypatch):
+    def fold_sequence(*_, **__):
+        raise StructureError("the stem is none")
+
+    monkeypatch.setattr("loopelastica.studies.simulation.cases.fold_sequence", fold_sequence)
+    (case,) = built_cases(tmp_path, {"RNA": ("GGC(GAAA)GCC",)})
+    assert (case.path, case.failure) == (None, "the stem is none")
 
 
 def test_a_file_without_5_phosphate_gives_one_file(tmp_path, koc_lines):
