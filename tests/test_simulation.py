@@ -21,8 +21,8 @@ def topology(koc_lines, tmp_path):
 def energy_kT(force, topology, places_A):
     openmm = pytest.importorskip("openmm")
     system = openmm.System()
-    for _ in range(topology.getNumAtoms()):
-        system.addParticle(1.0)
+    for row in range(topology.getNumAtoms()):
+        system.addParticle(1.0 + row % 7)
     system.addForce(force)
     platform = openmm.Platform.getPlatformByName("Reference")
     context = openmm.Context(system, openmm.VerletIntegrator(0.001), platform)
@@ -57,6 +57,26 @@ def test_atoms_outside_the_backbone_are_free(fold, topology):
             places[atom.index] += 30.0
     force = le.restraints(fold, topology)
     assert energy_kT(force, topology, places) == pytest.approx(0, abs=1e-6)
+
+
+def test_it_is_the_centroid_that_is_held_each_atom_counting_the_same(fold, topology):
+    places = on_trace(fold, topology)
+    for atom in topology.atoms():
+        places[atom.index, 1] += {"P": 2.0, "O5'": 2.0, "O3'": -4.0}.get(atom.name, 0.0)
+    force = le.restraints(fold, topology)
+    assert energy_kT(force, topology, places) == pytest.approx(0, abs=1e-6)
+
+
+def test_a_built_hairpin_is_restrained_by_its_own_numbers(tmp_path):
+    app = pytest.importorskip("openmm.app")
+    model = le.build("GGC(GAA)GCC", rna=False, hydrogens=True)
+    model.write(tmp_path / "hairpin.pdb")
+    pdb = app.PDBFile(str(tmp_path / "hairpin.pdb"))
+    force = le.restraints(model, pdb.topology)
+    assert force.getNumBonds() == 3
+    places = 10.0 * np.array(pdb.getPositions(asNumpy=True)._value)
+    # a built model follows its line to a fraction of the error to expect
+    assert 0.0 < energy_kT(force, pdb.topology, places) < 3 * 1.5
 
 
 def test_what_is_missing_or_wrong_is_said(fold, topology, monkeypatch):
