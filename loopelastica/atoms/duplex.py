@@ -37,20 +37,18 @@ from loopelastica.atoms.chemistry import LoopMolecule, atom_names, strand_molecu
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.geometry import (
     BOND_SD_A,
-    NEAREST_1_4_A,
     PLANAR_SD_A3,
     PUCKER_SD_A3,
     PUCKERS_DEG,
-    TORSION_SD,
     VOLUME_SD_A3,
     IdealGeometry,
     ideal_geometry,
-    nearest_A,
     outer_distances,
     ring_quads,
+    room_A,
+    sorts,
 )
 from loopelastica.atoms.measures import angles_deg, bond_lengths
-from loopelastica.atoms.minimum import FLOOR_A
 from loopelastica.atoms.relax import STAGES, Restraints, Status, relax
 from loopelastica.atoms.sequence import HairpinSequence, pair_of
 from loopelastica.errors import StructureError
@@ -242,10 +240,9 @@ def _restraints(
     phases = np.full(n_sugars, PUCKERS_DEG[1 if hairpin.is_dna else 0])
     sugars, sugars_A3 = ring_quads(geometry.rings, phases)
     counts = [len(geometry.chiral), len(geometry.planar), len(sugars)]
-    polar = np.array([name[0] in "NO" for name in molecule.names])
-    least = nearest_A(polar, polar)
-    least = np.where(apart == _FAR, np.minimum(least, NEAREST_1_4_A), least)
-    least[apart < _FAR] = 0.0
+    symbols = [atom.GetSymbol() for atom in molecule.mol.GetAtoms()]
+    sort = sorts(symbols, molecule.names)
+    least, floor = room_A(sort[:, None], sort, apart)
     free = _mismatched(hairpin)
     return Restraints(
         n_moving=len(fibre),
@@ -258,14 +255,16 @@ def _restraints(
         volume=np.concatenate([geometry.volume_A3, np.zeros(counts[1]), sugars_A3]),
         volume_sd=np.repeat([VOLUME_SD_A3, PLANAR_SD_A3, PUCKER_SD_A3], counts),
         torsions=geometry.torsions,
-        torsion_sd=TORSION_SD,
+        torsion_fold=geometry.torsion_fold,
+        torsion_at=np.deg2rad(geometry.torsion_deg),
+        torsion_sd=geometry.torsion_sd,
         groups=np.empty((0, 6), dtype=np.int64),
         center_A=np.empty((0, 3)),
         center_sd=1.0,
         tether_A=fibre,
         tether_sd=np.where(np.isin(molecule.residue, sorted(free)), _MISMATCH_SD_A, TETHER_SD_A),
         least_A=least,
-        floor_A=np.minimum(least, FLOOR_A),
+        floor_A=floor,
     )
 
 
