@@ -122,8 +122,8 @@ def sentences(atoms: LoopAtoms) -> Iterator[str]:
     if atoms.contact is not None and atoms.models and atoms.models[0].checks.contact_A is None:
         first, *_, last = atoms.models[0].molecule.residues
         yield (
-            f"{first.letter} and {last.letter} at the ends of the loop make no {atoms.contact} pair;"
-            " none was sought"
+            f"{first.letter} and {last.letter} at the ends of the loop make no {atoms.contact}"
+            " pair; none was sought"
         )
 
 
