@@ -78,10 +78,11 @@ def accepted(path: Path, field: ForceField, loop: Collection[tuple[str, str]]) -
     dict
         ``refused`` says why, or is None; then there are ``atoms``, ``force`` and ``force_heavy``,
         the largest first force over all and over heavy atoms (kcal/mol/Å), and where;
-        ``energy_before`` (kcal/mol). Where it is minimized there are ``energy_after`` and root mean
-        square shifts of heavy atoms (Å): ``shift_A`` of all, ``shift_loop_A`` of the loop's,
-        ``shift_on_stem_A`` and ``shift_loop_on_stem_A`` the same after superposition on the stem;
-        ``wrong_hands`` and ``chain_kept`` afterwards.
+        ``force_loop``, that on atoms of the loop; ``energy_before`` (kcal/mol). Where it is
+        minimized there are ``energy_after`` and root mean square shifts of heavy atoms (Å):
+        ``shift_A`` of all, ``shift_loop_A`` of the loop's, ``shift_on_stem_A`` and
+        ``shift_loop_on_stem_A`` the same after superposition on the stem; ``wrong_hands`` and
+        ``chain_kept`` afterwards.
 
     Raises
     ------
@@ -100,7 +101,10 @@ def accepted(path: Path, field: ForceField, loop: Collection[tuple[str, str]]) -
     context.setPositions(read.getPositions(frame=0))
     atoms = list(read.topology.atoms())
     heavy = np.array([atom.element is not None and atom.element.symbol != "H" for atom in atoms])
+    own = np.array([_place(atom.residue) in loop for atom in atoms])
     before, energy, force = _state(context)
+    if not np.isfinite(force).all():
+        return {"refused": "its energy is infinite: atoms lie on one another"}
     most, most_heavy = int(force.argmax()), int(np.where(heavy, force, -1.0).argmax())
     row: dict[str, Any] = {
         "refused": None,
@@ -109,13 +113,13 @@ def accepted(path: Path, field: ForceField, loop: Collection[tuple[str, str]]) -
         "force_at": _label(atoms[most]),
         "force_heavy": float(force[most_heavy]),
         "force_heavy_at": _label(atoms[most_heavy]),
+        "force_loop": float(force[own].max(initial=0.0)),
         "energy_before": energy,
     }
     if not field.minimized:
         return row
     openmm.LocalEnergyMinimizer.minimize(context, maxIterations=_MOST_STEPS)
     after, energy, _ = _state(context)
-    own = np.array([_place(atom.residue) in loop for atom in atoms])
     return {
         **row,
         "energy_after": energy,

@@ -28,6 +28,7 @@ from loopelastica.molecule.entry import read_entry
 from loopelastica.molecule.nucleotides import Structure, read_structure
 from loopelastica.molecule.polymer import Monomer
 from loopelastica.report.atoms import LoopAtoms, write_pdb
+from loopelastica.report.pdb import renamed
 
 BUILT: Final = {
     "RNA": (
@@ -128,7 +129,7 @@ def built_cases(folder: Path, sequences: Mapping[str, tuple[str, ...]]) -> Itera
             except LoopelasticaError as error:
                 yield Case("built", text, kind, "", failure=str(error))
                 continue
-            case = _case("built", text, hairpin.fold)
+            case = _case("built", text, hairpin.fold, {})
             given = hairpin.structure, hairpin.fold, hairpin.positions_A
             yield _or_why(case, _modelled, folder, *given)
 
@@ -157,14 +158,13 @@ def file_cases(folder: Path, file: Path) -> Iterator[Case]:
     except LoopelasticaError as error:
         yield Case("folded", file.name, "", "", failure=str(error))
         return
+    letters = renamed(structure)
     for loop in loops:
         if not loop.hairpin.contacts:
-            positions = structure.positions(0)
             name = f"{file.name} {loop.hairpin.name}"
-            yield _or_why(
-                _case("folded", name, loop), _modelled, folder, structure, loop, positions
-            )
-            yield _or_why(_case("native", name, loop), _native, folder, file)
+            given = folder, structure, loop, structure.positions(0)
+            yield _or_why(_case("folded", name, loop, letters), _modelled, *given)
+            yield _or_why(_case("native", name, loop, letters), _native, folder, file, letters)
 
 
 def _or_why(case: Case, made: Callable[..., Case], *given: Any) -> Case:
@@ -195,9 +195,9 @@ def _modelled(
     return replace(case, failure=f"none of {len(loop.candidates)} candidates is sound")
 
 
-def _native(case: Case, folder: Path, file: Path) -> Case:
+def _native(case: Case, folder: Path, file: Path, letters: Mapping[str, str]) -> Case:
     """The nucleotides of the first model with hydrogens of ours; all else is left out."""
-    found = nucleotides(file)
+    found = [replace(m, chain=letters.get(m.chain, m.chain)) for m in nucleotides(file)]
     write_nucleotides(path := case.place(folder), found)
     if phosphates := phosphates_at_5(found, chain_bonds(found)):
         bare = case.place(folder, " without 5' phosphate")
@@ -247,7 +247,7 @@ def write_nucleotides(path: Path, monomers: Sequence[Monomer]) -> None:
             atom.name, atom.element = name, gemmi.Element(name[0])
             atom.pos = gemmi.Position(*at)
             residue.add_atom(atom)
-        chains.setdefault(monomer.chain, gemmi.Chain(monomer.chain or "A")).add_residue(residue)
+        chains.setdefault(monomer.chain, gemmi.Chain(monomer.chain)).add_residue(residue)
     model = gemmi.Model(1)
     for chain in chains.values():
         model.add_chain(chain)
@@ -257,15 +257,14 @@ def write_nucleotides(path: Path, monomers: Sequence[Monomer]) -> None:
     write_text(path, structure.make_pdb_string(gemmi.PdbWriteOptions(cryst1_record=False)))
 
 
-def _case(source: str, name: str, loop: Any) -> Case:
+def _case(source: str, name: str, loop: LoopFold, letters: Mapping[str, str]) -> Case:
     hairpin = loop.hairpin
+    chain = letters.get(hairpin.chain, hairpin.chain)
     numbers = zip(hairpin.resid.tolist(), hairpin.icode.tolist(), strict=True)
     return Case(
         source,
         name,
         "DNA" if hairpin.is_dna else "RNA",
         hairpin.sequence,
-        frozenset(
-            (hairpin.chain[:1] or "A", f"{number}{icode}".strip()) for number, icode in numbers
-        ),
+        frozenset((chain, f"{number}{icode}".strip()) for number, icode in numbers),
     )

@@ -21,10 +21,11 @@ from loopelastica.studies.simulation.cases import BUILT, Case, built_cases, file
 
 _T = TypeVar("_T")
 _FEW: Final = 3
-_BARE: Final = "--no-5-phosphate"
+_BARE: Final = "without 5' phosphate"
 _FIGURES: Final = {
     "force": "first force",
     "force_heavy": "heavy atoms",
+    "force_loop": "the loop's",
     "shift_A": "shift",
     "shift_loop_on_stem_A": "loop, on the stem",
 }
@@ -34,7 +35,7 @@ _COLUMNS: Final = {
     "force_field": ("force field", "s"),
     "models": ("files", "d"),
     "accepted": ("accepted as they are", "d"),
-    "accepted_bare": ("without 5' phosphate", "d"),
+    "accepted_bare": (_BARE, "d"),
     **{name: (heading, "s") for name, heading in _FIGURES.items()},
     "sound": ("hands and chain kept", "s"),
 }
@@ -168,5 +169,6 @@ def _shown(group: Mapping[str, Any]) -> dict[str, Any]:
 
 def _refusal(row: Mapping[str, Any]) -> str:
     return (
-        f"{row['source']} {row['name']} {row['option']} by {row['force_field']}: {row['refused']}"
+        f"{row['source']} {row['name']}{row['option'] and ', ' + row['option']}, by"
+        f" {row['force_field']}: {row['refused']}"
     )

@@ -33,6 +33,7 @@ def test_a_native_hairpin_is_accepted_by_each_force_field_for_RNA(native, field)
     row = accepted(native, dataclasses.replace(field, minimized=False), LOOP)
     assert row["refused"] is None
     assert row["force_heavy"] <= row["force"] < 150.0
+    assert 0.0 < row["force_loop"] <= row["force"]
     assert row["atoms"] == 447
 
 
@@ -56,6 +57,18 @@ def test_what_is_no_structure_is_refused_and_does_not_raise(tmp_path):
     path = tmp_path / "empty.pdb"
     path.write_text("ATOM      1  P     G A   1      here     there   nowhere\n")
     assert accepted(path, AMBER, LOOP)["refused"]
+
+
+def test_atoms_on_one_another_are_refused_for_their_infinite_energy(native):
+    lines = native.read_text().splitlines()
+    where = next(line[30:54] for line in lines if line[12:26] == " N1    G A   2")
+    native.write_text(
+        "\n".join(
+            line[:30] + where + line[54:] if line[12:26] == " N1    C A  13" else line
+            for line in lines
+        )
+    )
+    assert "infinite" in accepted(native, AMBER, LOOP)["refused"]
 
 
 def test_without_openmm_the_extra_is_named(native, monkeypatch):

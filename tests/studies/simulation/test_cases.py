@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from loopelastica._files import data_path
+from loopelastica.errors import StructureError
 from loopelastica.studies.simulation.cases import (
     BUILT,
     Case,
@@ -48,6 +49,21 @@ def test_a_file_gives_each_simple_loop_as_it_is_folded_and_as_it_is(tmp_path):
         assert sorted(one.atoms_A) == sorted(own.atoms_A)
 
 
+@pytest.mark.parametrize("chain", ["", "RNA1"])
+def test_a_chain_without_a_letter_is_found_in_the_files_that_are_written(
+    tmp_path, koc_lines, write_cif, chain
+):
+    if chain:
+        file = write_cif(tmp_path / "koc.cif", chain)
+    else:
+        file = tmp_path / "koc.pdb"
+        lines = [f"{line[:21]} {line[22:]}" for line in koc_lines]
+        file.write_text("\n".join([*lines, "END", ""]))
+    for case in file_cases(tmp_path, file):
+        written = {(one.chain, str(one.number)) for one in nucleotides(case.path)}
+        assert case.loop < written
+
+
 def test_a_file_that_cannot_be_used_is_a_case_with_its_reason(tmp_path):
     path = tmp_path / "none.pdb"
     path.write_text("nothing\n")
@@ -56,10 +72,13 @@ def test_a_file_that_cannot_be_used_is_a_case_with_its_reason(tmp_path):
     assert "this is not a PDB structure" in case.failure
 
 
-def test_a_sequence_that_cannot_be_built_is_a_case_with_its_reason(tmp_path):
-    (case,) = built_cases(tmp_path, {"RNA": ("GGG(GAAA)CCA",)})
-    assert case.path is None
-    assert case.failure
+def test_a_sequence_that_cannot_be_folded_is_a_case_with_its_reason(tmp_path, monkeypatch):
+    def fold_sequence(*_, **__):
+        raise StructureError("the stem is none")
+
+    monkeypatch.setattr("loopelastica.studies.simulation.cases.fold_sequence", fold_sequence)
+    (case,) = built_cases(tmp_path, {"RNA": ("GGC(GAAA)GCC",)})
+    assert (case.path, case.failure) == (None, "the stem is none")
 
 
 def test_a_file_without_5_phosphate_gives_one_file(tmp_path, koc_lines):

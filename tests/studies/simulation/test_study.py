@@ -59,7 +59,7 @@ def test_a_refused_file_is_named_with_the_reason_and_tried_without_its_phosphate
     monkeypatch.setattr(study, "BUILT", {})
     study.run(folder, tmp_path / "out")
     rows, summary = results(tmp_path / "out")
-    assert [row["option"] for row in rows if not row["failure"]] == ["", "--no-5-phosphate"] * 2
+    assert [row["option"] for row in rows if not row["failure"]] == ["", "without 5' phosphate"] * 2
     assert len(summary["refused"]) == 2
     assert "residue 0 (G)" in summary["refused"][0]
     assert summary["refused"][0].startswith("folded a.pdb A6-9")
