@@ -75,10 +75,18 @@ def _on_all(atoms: LoopAtoms, source: Source) -> Iterator[str]:
     if digest:
         yield f" {digest}"
     yield f"MODELLED: {_span(atoms)}, SEQUENCE {_loop(atoms)}, IN THE PAIR {hairpin.label}"
-    yield "ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL"
+    yield (
+        f"ALL OTHER ATOMS: AN IDEAL STEM OF {'B-DNA' if hairpin.is_dna else 'A-RNA'}"
+        if isinstance(source, str)
+        else "ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL"
+    )
     yield "B FACTOR OF THE LOOP: 8 PI^2/3 OF THE EXPECTED ERROR SQUARED"
     yield "HYDROGENS: " + (
-        "ALL THE INPUT HAS, AND THOSE OF NUCLEOTIDES WITHOUT" if atoms.hydrogens else "NONE"
+        "NONE"
+        if not atoms.hydrogens
+        else "ALL"
+        if isinstance(source, str)
+        else "ALL THE INPUT HAS, AND THOSE OF NUCLEOTIDES WITHOUT"
     )
     if atoms.names != "pdb":
         yield f"NAMES OF NUCLEOTIDES AND THEIR ATOMS: {atoms.names.upper()}"
