@@ -37,9 +37,6 @@ from loopelastica.atoms.chemistry import LoopMolecule, atom_names, strand_molecu
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.geometry import (
     BOND_SD_A,
-    FLOOR_A,
-    NEAREST_1_4_A,
-    NEAREST_A,
     PLANAR_SD_A3,
     PUCKER_SD_A3,
     PUCKERS_DEG,
@@ -48,6 +45,7 @@ from loopelastica.atoms.geometry import (
     ideal_geometry,
     outer_distances,
     ring_quads,
+    room_A,
     sorts,
 )
 from loopelastica.atoms.measures import angles_deg, bond_lengths
@@ -244,10 +242,7 @@ def _restraints(
     counts = [len(geometry.chiral), len(geometry.planar), len(sugars)]
     symbols = [atom.GetSymbol() for atom in molecule.mol.GetAtoms()]
     sort = sorts(symbols, molecule.names)
-    least, floor = NEAREST_A[sort[:, None], sort], FLOOR_A[sort[:, None], sort]
-    least = np.where(apart == _FAR, np.minimum(least, NEAREST_1_4_A), least)
-    floor = np.where(apart == _FAR, FLOOR_A[0, 0], floor)
-    least[apart < _FAR] = 0.0
+    least, floor = room_A(sort[:, None], sort, apart)
     free = _mismatched(hairpin)
     return Restraints(
         n_moving=len(fibre),
@@ -269,7 +264,7 @@ def _restraints(
         tether_A=fibre,
         tether_sd=np.where(np.isin(molecule.residue, sorted(free)), _MISMATCH_SD_A, TETHER_SD_A),
         least_A=least,
-        floor_A=np.minimum(least, floor),
+        floor_A=floor,
     )
 
 

@@ -307,6 +307,27 @@ def separations(molecule: LoopMolecule) -> Array:
     return np.asarray(Chem.GetDistanceMatrix(molecule.mol))
 
 
+def room_A(own: Index, sort: Index, apart: Array) -> tuple[Array, Array]:
+    """Distances that atoms of a molecule like to keep, and that they must; 0 next to a bond.
+
+    Parameters
+    ----------
+    own, sort : (n, 1), (N,) array of int
+        What :func:`sorts` says of them.
+    apart : (n, N) array
+        Bonds between each two.
+
+    Returns
+    -------
+    least, floor : (n, N) array
+        Å.
+    """
+    like, floor = NEAREST_A[own, sort], FLOOR_A[own, sort]
+    like = np.where(apart == 3, np.minimum(like, NEAREST_1_4_A), like)
+    like = np.where(apart <= 2, 0.0, like)
+    return like, np.minimum(like, np.where(apart == 3, FLOOR_A[0, 0], floor))
+
+
 def sorts(symbols: Sequence[str], names: Sequence[str]) -> Index:
     """Rows of `NEAREST_A` and `FLOOR_A`.
 

@@ -11,7 +11,6 @@ from loopelastica._arrays import Array
 from loopelastica.atoms.geometry import (
     BOND_SD_A,
     FLOOR_A,
-    NEAREST_1_4_A,
     NEAREST_A,
     PLANAR_SD_A3,
     PUCKER_SD_A3,
@@ -20,6 +19,7 @@ from loopelastica.atoms.geometry import (
     everywhere,
     outer_distances,
     ring_quads,
+    room_A,
     separations,
     sorts,
 )
@@ -211,16 +211,13 @@ def _least(site: Site, order: Index) -> tuple[Array, Array]:
     symbols = [atom.GetSymbol() for atom in molecule.mol.GetAtoms()]
     sort = sorts(symbols, molecule.names)[order]
     own = sort[:n_moving, None]
-    like, floor = NEAREST_A[own, sort], FLOOR_A[own, sort]
-    like = np.where(apart == 3, np.minimum(like, NEAREST_1_4_A), like)
-    floor = np.where(apart == 3, FLOOR_A[0, 0], floor)
+    least, floor = room_A(own, sort, apart)
     outside = NEAREST_A[own, around.sort]
     coordinated = np.where(own == 1, METAL_POLAR_A, METAL_A)
     outside = np.where(around.metal, coordinated, outside)
     # the group of a modified nucleotide is bonded to it in ways that are not known here
     owner = np.array(molecule.residue)[order[:n_moving], None]
     outside[owner == around.owner] = 0.0
-    least = np.concatenate([np.where(apart <= 2, 0.0, like), outside], axis=1)
     # what is around may itself be nearer to the strand's place than it should
-    floors = np.concatenate([floor, np.full(outside.shape, FLOOR_A[0, 0])], axis=1)
-    return least, np.minimum(least, floors)
+    floors = np.concatenate([floor, np.minimum(outside, FLOOR_A[0, 0])], axis=1)
+    return np.concatenate([least, outside], axis=1), floors

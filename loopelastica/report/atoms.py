@@ -24,7 +24,7 @@ from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure
 from loopelastica.report.assembly import Assembly, Residue, assemble
 from loopelastica.report.model_cif import cif_text
-from loopelastica.report.model_notes import Source, because, contact_A, sentences
+from loopelastica.report.model_notes import Source, because, sentences
 from loopelastica.report.model_pdb import no_room, pdb_text
 from loopelastica.report.model_structure import ModelStructure
 from loopelastica.report.pdb import pdb_name
@@ -150,7 +150,7 @@ _COLUMNS: Final[dict[str, Callable[[AtomModel], Any]]] = {
     "atoms_worst_bond_A": lambda model: model.checks.worst_bond_A,
     "atoms_worst_angle_deg": lambda model: model.checks.worst_angle_deg,
     "atoms_closest_A": lambda model: model.checks.closest_A,
-    "atoms_contact_A": contact_A,
+    "atoms_contact_A": lambda model: model.checks.contact_A,
     "atoms_bonds_within": lambda model: model.checks.bonds_within,
     "atoms_angles_within": lambda model: model.checks.angles_within,
     "atoms_chain_worst_A": lambda model: model.checks.chain_worst_A,
@@ -253,7 +253,7 @@ def content(atoms: LoopAtoms) -> dict[str, Any]:
                 "worst_bond_A": model.checks.worst_bond_A,
                 "worst_angle_deg": model.checks.worst_angle_deg,
                 "closest_contact_A": model.checks.closest_A,
-                "contact_A": contact_A(model),
+                "contact_A": model.checks.contact_A,
                 "steps": model.relaxed.steps,
                 "cost": model.relaxed.cost,
                 "rmsd_A": model.rmsd_A,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from loopelastica._files import PROGRAM, sha256
 from loopelastica._names import printable
 from loopelastica._version import __version__
+from loopelastica.atoms.checks import HYDROGEN_BOND_A
 from loopelastica.atoms.model import AtomModel
 from loopelastica.report.pdb import pdb_name
 
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
 Source = Path | str | None
 """The file, or the sequence, that a structure is from; None for a Universe."""
 
-CONTACT_A: Final = 3.2
-"""Longest hydrogen bond, donor to acceptor, of a contact that was reached."""
 
 _SIGNS: Final = {"Å": "A", "°": " DEG", "–": "-", "′": "'", "×": "x", "…": "..."}
 # what a REMARK record holds after its number
@@ -76,10 +75,18 @@ def _on_all(atoms: LoopAtoms, source: Source) -> Iterator[str]:
     if digest:
         yield f" {digest}"
     yield f"MODELLED: {_span(atoms)}, SEQUENCE {_loop(atoms)}, IN THE PAIR {hairpin.label}"
-    yield "ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL"
+    yield (
+        f"ALL OTHER ATOMS: AN IDEAL STEM OF {'B-DNA' if hairpin.is_dna else 'A-RNA'}"
+        if isinstance(source, str)
+        else "ALL OTHER ATOMS ARE THOSE OF THE INPUT, FIRST MODEL"
+    )
     yield "B FACTOR OF THE LOOP: 8 PI^2/3 OF THE EXPECTED ERROR SQUARED"
     yield "HYDROGENS: " + (
-        "ALL THE INPUT HAS, AND THOSE OF NUCLEOTIDES WITHOUT" if atoms.hydrogens else "NONE"
+        "NONE"
+        if not atoms.hydrogens
+        else "ALL"
+        if isinstance(source, str)
+        else "ALL THE INPUT HAS, AND THOSE OF NUCLEOTIDES WITHOUT"
     )
     if atoms.names != "pdb":
         yield f"NAMES OF NUCLEOTIDES AND THEIR ATOMS: {atoms.names.upper()}"
@@ -115,23 +122,22 @@ def sentences(atoms: LoopAtoms) -> Iterator[str]:
     if not atoms.written:
         yield "no candidate has sound atoms; atoms.json says why, and no structure is written"
     for model in atoms.models:
-        apart = contact_A(model)
-        if atoms.contact is not None and apart is not None and apart > CONTACT_A:
+        if model.checks.contact_reached is False:
             yield (
                 f"candidate {model.rank} did not reach the {atoms.contact} pair: its hydrogen bonds"
-                f" are up to {apart:.1f} Å long, not {CONTACT_A} Å"
+                f" are up to {model.checks.contact_A:.1f} Å long, not {HYDROGEN_BOND_A} Å"
             )
+    if atoms.contact is not None and atoms.models and atoms.models[0].checks.contact_A is None:
+        first, *_, last = atoms.models[0].molecule.residues
+        yield (
+            f"{first.letter} and {last.letter} at the ends of the loop make no {atoms.contact}"
+            " pair; none was sought"
+        )
 
 
 def because(model: AtomModel) -> str:
     """Why a model is not sound; "" for a sound one."""
     return "; ".join(model.checks.wrong)
-
-
-def contact_A(model: AtomModel) -> float | None:
-    """Longest hydrogen bond of the contact that was sought, Å."""
-    found: float | None = getattr(model.checks, "contact_A", None)
-    return found
 
 
 def candidate_of(atoms: LoopAtoms, model: AtomModel) -> Candidate:

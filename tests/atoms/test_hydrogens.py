@@ -95,6 +95,15 @@ def test_fixed_hydrogens_lie_where_2koc_has_them():
     assert_as_in(data_path("hairpins/2koc.pdb"))
 
 
+def test_hydrogens_of_sugars_make_equal_angles():
+    monomers, _ = of_file(data_path("hairpins/2koc.pdb"))
+    found = add_hydrogens(monomers, chain_bonds(monomers), NOTHING)
+    for one, new in zip(monomers, found, strict=True):
+        bonds = [new["H4'"], *(one.atoms_A[x] for x in ("C3'", "C5'", "O4'"))] - one.atoms_A["C4'"]
+        bonds /= np.linalg.norm(bonds, axis=1, keepdims=True)
+        np.testing.assert_allclose(bonds[1:] @ bonds[0], bonds[1] @ bonds[0], atol=1e-9)
+
+
 @pytest.mark.parametrize(
     "name", ["1anr", "1hlx", "1szy", "1k2g", "1aqo", "1k5i", "1ac7", "1bjh", "1jve", "2l5k"]
 )

@@ -263,17 +263,14 @@ def test_names_are_those_of_a_force_field_on_request(
 
 
 def test_a_contact_that_was_not_reached_is_said(of_lines, koc_lines, atoms):
-    class Checks:
-        contact_A = 3.9
-
-        def __getattr__(self, name):
-            return getattr(atoms.models[0].checks, name)
-
-    far = dataclasses.replace(atoms.models[0], checks=Checks())
+    (one, *_) = atoms.models
+    far = dataclasses.replace(one, checks=dataclasses.replace(one.checks, contact_A=3.9))
     remarks = of_lines(koc_lines, models=(far,), contact="sheared").remarks
     assert any("candidate 1 did not reach the sheared pair" in one for one in remarks)
     assert any("up to 3.9 Å long, not 3.2 Å" in one for one in remarks)
     assert not any("sheared" in one for one in of_lines(koc_lines, models=(far,)).remarks)
+    remarks = of_lines(koc_lines, models=(one,), contact="sheared").remarks
+    assert any("U and G at the ends of the loop make no sheared pair" in one for one in remarks)
 
 
 def test_the_figures_of_a_run_are_among_the_columns(atoms):
