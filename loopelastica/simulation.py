@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any, Final
 
-from loopelastica._checks import positive, shown, whole
+from loopelastica._checks import optional, positive, shown, whole
 from loopelastica.errors import MissingDependencyError, StructureError
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import BACKBONE
@@ -14,7 +14,9 @@ _K_B: Final = 0.0083144626
 """Boltzmann's constant, kJ/mol/K."""
 
 
-def restraints(loop: Any, topology: Any, *, rank: int = 1, temperature_K: float = 300.0) -> Any:
+def restraints(
+    loop: Any, topology: Any, *, rank: int | None = None, temperature_K: float = 300.0
+) -> Any:
     """Hold the backbone of a loop near one of its candidates, as an OpenMM force.
 
     The centroid of P, O5', C5', C4', C3', O3' of each loop nucleotide is held to the candidate's
@@ -28,8 +30,8 @@ def restraints(loop: Any, topology: Any, *, rank: int = 1, temperature_K: float 
     topology : openmm.app.Topology
         Of the simulation; chains and numbers as in the structure that was folded. It is restrained
         in that structure's coordinates.
-    rank : int
-        Which candidate.
+    rank : int, optional
+        Which candidate; default the first one, of a built hairpin its own.
     temperature_K : float
         Of the simulation.
 
@@ -56,7 +58,8 @@ def restraints(loop: Any, topology: Any, *, rank: int = 1, temperature_K: float 
     fold = loop if isinstance(loop, LoopFold) else getattr(getattr(loop, "hairpin", 0), "fold", 0)
     if not isinstance(fold, LoopFold):
         raise ValueError(f"`loop` is {shown(loop)}; it must be a folded loop or a built hairpin")
-    rank, temperature_K = whole(1)("rank", rank), positive("temperature_K", temperature_K)
+    rank = optional(whole(1))("rank", rank) or (1 if loop is fold else loop.rank)
+    temperature_K = positive("temperature_K", temperature_K)
     found = {candidate.rank: candidate for candidate in fold.candidates}
     if not found:
         raise StructureError(fold.failure or "the loop was not folded; it cannot be restrained")

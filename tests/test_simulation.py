@@ -75,6 +75,9 @@ def test_a_built_hairpin_is_restrained_by_its_own_numbers(tmp_path):
     force = le.restraints(model, pdb.topology)
     assert force.getNumBonds() == 3
     places = 10.0 * np.array(pdb.getPositions(asNumpy=True)._value)
+    second = le.build("GGC(GAA)GCC", rna=False, candidates=2).candidates[1]
+    own, first = le.restraints(second, pdb.topology), le.restraints(second, pdb.topology, rank=1)
+    assert own.getBondParameters(0) != first.getBondParameters(0)
     # a built model follows its line to a fraction of the error to expect
     assert 0.0 < energy_kT(force, pdb.topology, places) < 3 * 1.5
 
