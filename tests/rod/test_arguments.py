@@ -140,7 +140,11 @@ ROD = le.solve(FIGURE_6)
         ("values", le.Equilibrium.from_dict),
     ],
 )
-@pytest.mark.parametrize("odd", ["yes", 1j, float("nan"), 10**400, [], object()], ids=repr)
+@pytest.mark.parametrize(
+    "odd",
+    ["yes", 1j, float("nan"), 10**400, [], object()],
+    ids=lambda v: "object" if type(v) is object else repr(v),
+)
 def test_other_kinds_are_refused_by_name(name, call, odd):
     with pytest.raises(ValueError, match=f"`{name}`") as caught:
         call(odd)
