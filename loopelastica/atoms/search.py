@@ -74,6 +74,8 @@ class Attempt:
     Attributes
     ----------
     turns : Turns
+    line_A : (n, 3) array
+        Points of the line it was built on, bent or not.
     start_A : (N, 3) array
         Before anything moved.
     relaxed : Relaxed
@@ -83,6 +85,7 @@ class Attempt:
     """
 
     turns: Turns
+    line_A: Array
     start_A: Array
     relaxed: Relaxed
     checks: Checks
@@ -133,8 +136,14 @@ def best_on(site: Site, line: Curve, limits: Limits) -> tuple[Attempt, list[Turn
         attempts.append(_attempt(problem, curve, turns, line_sd, limits, end))
         if sum(attempt.good for attempt in attempts) == limits.tries or time.monotonic() > end:
             break
-    best = min(attempts, key=lambda attempt: attempt.order)
-    return _into_clusters(problem, line, best, limits, end), first, len(attempts)
+    attempts.sort(key=lambda attempt: attempt.order)
+    best = _into_clusters(problem, attempts[0], limits, end)
+    for other in attempts[1:]:
+        # a suite may be kept out by atoms that are fixed; two are no such accident
+        if best.rare < 2 or not other.good:
+            break
+        best = min(best, _into_clusters(problem, other, limits, end), key=lambda one: one.order)
+    return best, first, len(attempts)
 
 
 def _combinations(site: Site, line: Curve, keep: int) -> list[Turns]:
@@ -244,7 +253,7 @@ def _attempt(
     start: Array | None = None,
 ) -> Attempt:
     site = problem.site
-    centers = _centers(site, line)
+    centers = np.round(line.at(np.arange(1, site.molecule.n + 1))[0], 6)
     near = start is not None
     if start is None:
         start = start_on(site, line, turns)
@@ -260,15 +269,12 @@ def _attempt(
             problem, centers, relaxed, stress, limits.max_steps, max(end - time.monotonic(), 0.0)
         )
         checks = check(site, relaxed.positions_A, centers, start, relaxed.status)
-    return Attempt(turns, start, relaxed, checks, near)
+    return Attempt(turns, centers, start, relaxed, checks, near)
 
 
-def _into_clusters(
-    problem: Problem, line: Curve, attempt: Attempt, limits: Limits, end: float
-) -> Attempt:
+def _into_clusters(problem: Problem, attempt: Attempt, limits: Limits, end: float) -> Attempt:
     """A sound model with fewer suites outside all clusters, where turning them leads to one."""
-    site = problem.site
-    centers = _centers(site, line)
+    site, centers = problem.site, attempt.line_A
     besides: list[set[int]] = [set() for _ in attempt.checks.suites]
     for turn in range(TURNINGS):
         outside = [name == OUTSIDE for name in attempt.checks.suites]
@@ -286,10 +292,6 @@ def _into_clusters(
         if other.good and other.rare < attempt.rare and not overlaps:
             attempt = other
     return attempt
-
-
-def _centers(site: Site, line: Curve) -> Array:
-    return np.asarray(np.round(line.at(np.arange(1, site.molecule.n + 1))[0], 6))
 
 
 def _stress(site: Site, positions: Array) -> Array:

@@ -34,6 +34,7 @@ _END_3: Final = re.compile(r"[-–]?\s*3\s*['’′]\s*$", re.MULTILINE)
 _ENERGY: Final = re.compile(r"\(\s*[-+]?\d+\.\d+\s*\)\s*$")
 _NAME: Final = r"\[\s*(?P<name>[A-Za-z0-9]{1,5})\s*\]"
 _NUCLEOTIDE: Final = re.compile(rf"{_NAME}|[^\s.()\[\]{{}}<>]")
+_OF_KIND: Final = re.compile(r"\s*(?P<kind>[dDrR])\s*\((?P<sequence>.*)\)\s*", re.DOTALL)
 _TOKEN: Final = re.compile(rf"{_NAME}|(?P<one>.)", re.DOTALL)
 # of ribonucleotides and of deoxyribonucleotides; the others are of both
 _ONLY: Final = {"U": False, "T": True}
@@ -104,8 +105,9 @@ def read_sequence(
     Parameters
     ----------
     text : str
-        Such as "GGCAC(UUCG)GUGCC", "5'-ggcac (uucg) gugcc-3'", or a sequence with its dot-bracket
-        behind it. Lines that begin with ">" are left out.
+        Such as "GGCAC(UUCG)GUGCC", "5'-ggcac (uucg) gugcc-3'", "d(GCGC GAA GCGC)" (strands of
+        one length), or a sequence with its dot-bracket behind it. Lines that begin with ">" are
+        left out.
     structure : str, optional
         The dot-bracket, where it is not in `text`.
     rna : bool, optional
@@ -132,6 +134,10 @@ def read_sequence(
     """
     rna, mismatches = optional(flag)("rna", rna), flag("mismatches", mismatches)
     sequence, brackets = _split(text, structure)
+    if (marked := _OF_KIND.fullmatch(sequence)) and rna in (None, marked["kind"] in "rR"):
+        sequence, rna = marked["sequence"], marked["kind"] in "rR"
+    if brackets is None:
+        sequence = _with_brackets(sequence)
     tokens = _tokens(sequence)
     names = [token for token in tokens if token not in "()"]
     around = "".join(token for token in tokens if token in "()")
@@ -213,6 +219,15 @@ def _split(text: Any, structure: Any) -> tuple[str, str | None]:
     return sequence, None if given is None else "".join(given.split())
 
 
+def _with_brackets(sequence: str) -> str:
+    """Three words, the outer ones of one length, are a strand, the loop and a strand."""
+    words = re.split(r"[\s\-]+", sequence.strip())
+    if len(words) != 3 or any(sign in sequence for sign in "()"):
+        return sequence
+    counts = [len(_NUCLEOTIDE.findall(word)) for word in words]
+    return f"{words[0]}({words[1]}){words[2]}" if counts[0] == counts[2] else sequence
+
+
 def _tokens(sequence: str) -> list[str]:
     """Names of nucleotides, and the brackets around the loop."""
     tokens = []
@@ -235,11 +250,15 @@ def _residues(names: Sequence[str], rna: bool | None) -> tuple[Residue, ...]:
     # the first of either kind
     first = {is_dna: kinds.index(is_dna) for is_dna in (False, True) if is_dna in kinds}
     where = {is_dna: f"{names[k]} (nucleotide {k + 1})" for is_dna, k in first.items()}
-    if rna is None and len(first) != 1:
-        has = f"both {where[False]} and {where[True]}" if first else "neither U nor T"
+    if len(first) == 2:
         raise ValueError(
-            f"`rna` is needed: the sequence has {has}, so it may be RNA, which has U, or DNA, which"
-            " has T"
+            f"`sequence` has both {where[False]} and {where[True]}, and is of one kind: T in RNA is"
+            " written [5MU], U in DNA [DU]"
+        )
+    if rna is None and not first:
+        raise ValueError(
+            "`rna` is needed: the sequence has neither U nor T, so it may be RNA, which has U, or"
+            " DNA, which has T"
         )
     is_dna = next(iter(first)) if rna is None else not rna
     if (not is_dna) in first:

@@ -113,7 +113,7 @@ def _on_models(atoms: LoopAtoms, models: Sequence[AtomModel]) -> Iterator[str]:
 
 
 def sentences(atoms: LoopAtoms) -> Iterator[str]:
-    """What a user should be aware of: no sound candidate, a contact not reached.
+    """What a user should be aware of: unsound candidates, names that change, contacts not reached.
 
     Parameters
     ----------
@@ -127,8 +127,14 @@ def sentences(atoms: LoopAtoms) -> Iterator[str]:
                 f"candidate {model.rank} did not reach the {atoms.contact} pair: its hydrogen bonds"
                 f" are up to {model.checks.contact_A:.1f} Å long, not {HYDROGEN_BOND_A} Å"
             )
-    if atoms.contact is not None and atoms.models and atoms.models[0].checks.contact_A is None:
-        first, *_, last = atoms.models[0].molecule.residues
+    if not atoms.models:
+        return
+    table, residues = atoms.structure.nucleotides, atoms.models[0].molecule.residues
+    for row, built in zip(atoms.fold.hairpin.loop, residues, strict=True):
+        if built.renamed:
+            yield f"{table.label(int(row))} cannot be built and is written as {built.standard}"
+    if atoms.contact is not None and atoms.models[0].checks.contact_A is None:
+        first, *_, last = residues
         yield (
             f"{first.letter} and {last.letter} at the ends of the loop make no {atoms.contact}"
             " pair; none was sought"

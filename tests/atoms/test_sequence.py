@@ -44,7 +44,33 @@ def test_u_and_t_decide_the_kind():
     assert [r.resname for r in read_sequence("GC(UUU)GC").strand_5] == ["G", "C"]
 
 
-@pytest.mark.parametrize("text", ["GGC(AAA)GCC", "GGC(UAT)GCC"])
+def test_both_kinds_at_once_are_named():
+    with pytest.raises(ValueError, match=r"both U \(nucleotide 4\) and T \(nucleotide 6\).*\[DU\]"):
+        read_sequence("GGC(UAT)GCC")
+
+
+@pytest.mark.parametrize(
+    ("text", "is_dna", "written"),
+    [
+        ("ggugc uucg guauc", False, "GGUGC(UUCG)GUAUC"),
+        ("GGCAC-UUCG-GUGCC", False, "GGCAC(UUCG)GUGCC"),
+        ("d(GCGC GAA GCGC)", True, "GCGC(GAA)GCGC"),
+        ("r(GGC(AAA)GCC)", False, "GGC(AAA)GCC"),
+        ("D( ggc(aaa)gcc )", True, "GGC(AAA)GCC"),
+    ],
+)
+def test_three_words_and_kinds_in_front_are_read(text, is_dna, written):
+    found = read_sequence(text)
+    assert (str(found), found.is_dna) == (written, is_dna)
+
+
+@pytest.mark.parametrize("text", ["GGC GAAA GC", "GG CC GG CC", "d(GCGC GAA GCGC)x"])
+def test_other_words_are_no_hairpin(text):
+    with pytest.raises(ValueError, match="`sequence`"):
+        read_sequence(text)
+
+
+@pytest.mark.parametrize("text", ["GGC(AAA)GCC"])
 def test_a_kind_that_is_open_is_asked_for(text):
     with pytest.raises(ValueError, match=r"`rna` is needed: .* RNA, which has U, or DNA, whi"):
         read_sequence(text)

@@ -59,7 +59,7 @@ def test_a_dot_bracket_and_options_are_taken(tmp_path):
     [
         (["GGC(GAA)GCA", "--dna"], 2, "G1·A9 do not pair"),
         (["GGC(GAA)GCC"], 2, "--rna or --dna is needed: the sequence has neither U nor T"),
-        (["GGC(UAT)GCC"], 2, "--rna or --dna is needed: the sequence has both U (nucleotide 4)"),
+        (["GGC(UAT)GCC"], 2, "SEQUENCE has both U (nucleotide 4)"),
         (["GGC(UUU)GCC", "--dna"], 2, "U (nucleotide 4) is no base of DNA"),
         (["GGC(UUU)GC"], 2, "a stem needs equal ones"),
         (["GGACUUUGCC", "((.(...)))"], 2, "a bulge, A3"),
