@@ -67,6 +67,7 @@ def test_a_refused_file_is_named_with_the_reason_and_tried_without_its_phosphate
 
 @pytest.mark.slow
 def test_minimized_models_keep_hands_and_chain(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr(study, "FORCE_FIELDS", FORCE_FIELDS[:1])
     monkeypatch.setattr(study, "BUILT", {"RNA": ("GGC(GCAA)GCC",), "DNA": ("GGC(GAA)GCC",)})
     study.run(folder, tmp_path / "out")
     _, summary = results(tmp_path / "out")
