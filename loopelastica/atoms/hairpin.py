@@ -183,6 +183,8 @@ def universe_of(
             "name": names,
             "element": elements,
             "type": elements,
+            # what the wwPDB calls a modified nucleotide
+            "record_type": ["HETATM" if residues[k].methyls else "ATOM" for k in resindex],
             "chainID": [CHAIN] * len(names),
             "resname": [residue.standard for residue in residues],
             "resid": list(range(1, len(residues) + 1)),

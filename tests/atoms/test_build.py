@@ -206,3 +206,11 @@ def test_hairpins_of_all_lengths_are_sound(text, rna):
     assert angle < 10.0
     assert hands == 0
     assert closest > 2.2
+
+
+def test_a_modified_nucleotide_of_the_stem_is_a_hetatm(tmp_path):
+    model = le.build("GG[5MC]AC(UUCG)GUGCC")
+    model.write(tmp_path / "modified.pdb")
+    lines = (tmp_path / "modified.pdb").read_text(encoding="ascii").splitlines()
+    records = {line[17:20].strip(): line[:6].strip() for line in lines if line[12:16] == " C1'"}
+    assert records == {"G": "ATOM", "5MC": "HETATM", "A": "ATOM", "C": "ATOM", "U": "ATOM"}
