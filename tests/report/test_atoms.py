@@ -279,3 +279,14 @@ def test_the_figures_of_a_run_are_among_the_columns(atoms):
     assert figures["atoms_worst_bond_A"] == atoms.models[0].checks.worst_bond_A
     assert figures.items() <= atoms.columns(1).items()
     assert set(atoms.figures(99).values()) == {None}
+
+
+def test_a_nucleotide_that_becomes_its_parent_is_named(hairpin_folder):
+    path = hairpin_folder / "1ehz.cif.gz"
+    (loop,) = (x for x in le.fold(path, all_models=False, max_candidates=1) if len(x.hairpin) == 9)
+    structure = read_structure(path)
+    models = tuple(le.build_atoms(structure, loop))
+    remarks = LoopAtoms(structure, loop, models, structure.positions(0)).remarks
+    assert "A.YYG37 cannot be built and is written as G" in remarks
+    assert "A.PSU39 cannot be built and is written as U" in remarks
+    assert not any("OMC32" in one for one in remarks)
