@@ -1,12 +1,13 @@
 """How often nucleotides of loops are C2'-endo, and syn: what a score of their shapes begins with.
 
-    ln p/(1 − p) = Σ of what holds: all, DNA, first, second, last but one, last, a loop of three, a
-    loop of four, A, G, U (T), G that is last
+    ln p/(1 − p) = Σ of what holds: all, DNA; of RNA first, second, last but one, last, a loop of
+    three, a loop of four, A, G, U, G that is last
 
 The terms are fitted to loops of the databank, each sequence counted once
 (``loopelastica studies motifs``; ``data/motifs.json``), and say little: families that had no part
 in the fit are described better than by the mean, but the likelier pucker is almost always the
-commoner one. Loops of a motif are as its loops are.
+commoner one. Of DNA there are too few loops to tell places apart. Loops of a motif are as its
+loops are.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ def usual(letters: Sequence[str], is_dna: Sequence[bool]) -> Habits:
     --------
     >>> habits = usual("UUCG", [False] * 4)
     >>> habits.c2_endo.round(2), habits.syn.round(2)
-    (array([0.2 , 0.35, 0.34, 0.34]), array([0.05, 0.08, 0.07, 0.29]))
+    (array([0.19, 0.34, 0.35, 0.33]), array([0.05, 0.08, 0.08, 0.28]))
     """
     found = holds(letters, is_dna)
     c2_endo, syn = (1.0 / (1.0 + np.exp(-found @ terms)) for terms in habit_terms())
@@ -75,7 +76,8 @@ def holds(letters: Sequence[str], is_dna: Sequence[bool]) -> Array:
     """Which of the terms hold (n, 12) of each nucleotide of a strand; 1 or 0."""
     n = len(letters)
     rows = [
-        (1, dna, k == 0, k == 1, k == n - 2, k == n - 1, n == 3, n == 4,
+        (1, 1, *(False,) * 10) if dna else
+        (1, 0, k == 0, k == 1, k == n - 2, k == n - 1, n == 3, n == 4,
          letter == "A", letter == "G", letter in "UT", letter == "G" and k == n - 1)
         for k, (letter, dna) in enumerate(zip(letters, is_dna, strict=True))
     ]  # fmt: skip

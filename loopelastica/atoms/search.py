@@ -95,7 +95,10 @@ class Attempt:
     def order(self) -> tuple[float, bool, float]:
         """Chemistry, a contact that is sought, then overlaps, strain, rare backbones and score."""
         missed = self.checks.contact_reached is False
-        strain = 0.1 * sum(self.relaxed.cost.values()) + OVERLAP * self.checks.clashes_per_1000
+        cost = {**self.relaxed.cost}
+        # what let go of the line is held to it as what did not
+        cost["line"] = len(self.line_A) * (self.checks.line_after_A / LINE_SD_A[0]) ** 2
+        strain = 0.1 * sum(cost.values()) + OVERLAP * self.checks.clashes_per_1000
         return self.checks.excess, missed, strain + RARE * self.rare + self.turns.score
 
     @property
