@@ -7,11 +7,11 @@ have (:mod:`.relax`) then brings hydrogen bonds, bonds and angles to their ideal
 held weakly to its place in the fibre. G·U and G·T, which the fibre pairs as Watson and Crick did,
 slide to the wobble.
 
-Hydrogen bonds of Watson–Crick pairs are those of the crystals of ApU (Seeman et al., J. Mol. Biol.
-104 (1976) 109) and GpC (Rosenberg et al., ibid. 145), which Saenger, Principles of Nucleic Acid
-Structure (1984) gives as ideal. Medians over pairs in helices of 15 crystals of 1.4 to 2.4 Å
-(1S72, 1EHZ, 1MSY, 1Y26, 430D, 3K1V, 3NPQ, 3P59, 4OJI, 5C0Y, 5D0A, 5EEU, 5JBG, 5ZW4, 6YL5), measured
-for this project: G·C 2.96, 2.91, 2.78 Å (667 pairs), A·U 3.02, 2.83 Å (250).
+Hydrogen bonds of Watson–Crick pairs have the lengths that are usually given for the crystals of ApU
+and GpC (after Saenger, Principles of Nucleic Acid Structure, 1984; not read for this project). What
+was measured for it, medians over pairs in helices of 15 crystals of 1.4 to 2.4 Å (1S72, 1EHZ, 1MSY,
+1Y26, 430D, 3K1V, 3NPQ, 3P59, 4OJI, 5C0Y, 5D0A, 5EEU, 5JBG, 5ZW4, 6YL5), lies within 0.08 Å of them:
+G·C 2.96, 2.91, 2.78 Å (667 pairs), A·U 3.02, 2.83 Å (250).
 
 The wobble is that of the 43 G·U pairs of the same crystals: medians O6–N3 2.86 Å, N1–O2 2.70 Å and,
 which is no hydrogen bond but tells how far the bases have slid, N1–N3 3.60 Å. N1–O2 is taken 0.06 Å
