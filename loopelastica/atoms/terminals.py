@@ -95,7 +95,7 @@ def phosphate_remark(monomer: Monomer) -> str:
     """
     return (
         f"{monomer.label}: its 5' phosphate is refused by Amber's and CHARMM's templates;"
-        " --no-5-phosphate takes it off a file's chain"
+        " --no-5-phosphate takes it off"
     )
 
 

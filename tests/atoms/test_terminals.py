@@ -48,7 +48,7 @@ def test_a_5_phosphate_is_found_named_and_taken_off():
     assert phosphates_at_5(monomers, chain_bonds(monomers)) == (0,)
     assert phosphate_remark(monomers[0]) == (
         "A.G1: its 5' phosphate is refused by Amber's and CHARMM's templates; --no-5-phosphate"
-        " takes it off a file's chain"
+        " takes it off"
     )
     bare = without_phosphate(monomers[0])
     assert set(monomers[0].atoms_A) - set(bare.atoms_A) == {"P", "OP1", "OP2", "OP3"}
