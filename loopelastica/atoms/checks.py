@@ -287,7 +287,7 @@ def _contacts(site: Site, positions: Array) -> tuple[float, tuple[int, ...], int
     from scipy.spatial.distance import cdist
 
     molecule, around = site.molecule, site.around
-    symbols = [a.GetSymbol() for a in molecule.mol.GetAtoms()]
+    symbols = molecule.symbols
     radius = np.array([_RADII.get(symbol, 1.7) for symbol in symbols])
     polar = np.array([symbol in "NO" for symbol in symbols])
     moving = site.moving

@@ -87,6 +87,11 @@ class LoopMolecule:
     rows: Mapping[tuple[int, str], int]
 
     @property
+    def symbols(self) -> tuple[str, ...]:
+        """Element of each atom."""
+        return tuple(atom.GetSymbol() for atom in self.mol.GetAtoms())
+
+    @property
     def residues(self) -> tuple[Residue, ...]:
         """The strand's own nucleotides."""
         return tuple(self.kinds[k] for k in range(self.n))

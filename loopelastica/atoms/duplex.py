@@ -37,6 +37,7 @@ from loopelastica.atoms.chemistry import LoopMolecule, atom_names, strand_molecu
 from loopelastica.atoms.fibre import fibre_nucleotide
 from loopelastica.atoms.geometry import (
     BOND_SD_A,
+    FAR,
     PLANAR_SD_A3,
     PUCKER_SD_A3,
     PUCKERS_DEG,
@@ -46,6 +47,7 @@ from loopelastica.atoms.geometry import (
     outer_distances,
     ring_quads,
     room_A,
+    separations,
     sorts,
 )
 from loopelastica.atoms.measures import angles_deg, bond_lengths
@@ -72,8 +74,6 @@ TETHER_SD_A: Final = 0.5
 from it, with no gain for bonds and angles."""
 _MISMATCH_SD_A: Final = 2.0
 """The same in pairs that are none: purines need room."""
-_FAR: Final = 3
-"""Atoms this many bonds apart or more are in each other's way."""
 _TERMINAL_A: Final = 1.51
 _TERMINAL_DEG: Final = 106.0
 """P–O and O5'–P–O of a phosphate at the end of a chain; its O–P–O are then 112.7°."""
@@ -145,7 +145,7 @@ def duplex(hairpin: HairpinSequence, phosphate: bool = False) -> Duplex:
     molecule = _molecule(hairpin, phosphate)
     geometry = ideal_geometry(molecule, np.ones(len(molecule.names), dtype=np.bool_))
     fibre = _laid(molecule, hairpin)
-    apart = _apart(molecule)
+    apart = separations(molecule)
     restraints = _restraints(molecule, geometry, hairpin, fibre, apart)
     relaxed = relax(restraints, fibre, stages=STAGES[1:], max_seconds=600.0)
     wrong = list(_wrong(molecule, geometry, relaxed.positions_A, apart))
@@ -240,8 +240,7 @@ def _restraints(
     phases = np.full(n_sugars, PUCKERS_DEG[1 if hairpin.is_dna else 0])
     sugars, sugars_A3 = ring_quads(geometry.rings, phases)
     counts = [len(geometry.chiral), len(geometry.planar), len(sugars)]
-    symbols = [atom.GetSymbol() for atom in molecule.mol.GetAtoms()]
-    sort = sorts(symbols, molecule.names)
+    sort = sorts(molecule.symbols, molecule.names)
     least, floor = room_A(sort[:, None], sort, apart)
     free = _mismatched(hairpin)
     return Restraints(
@@ -305,17 +304,6 @@ def _mismatched(hairpin: HairpinSequence) -> set[int]:
     }
 
 
-def _apart(molecule: LoopMolecule) -> NDArray[np.float64]:
-    """Bonds between each two atoms (N, N) up to `_FAR`, else infinity."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import dijkstra
-
-    bonds = np.array(molecule.bonds).T
-    shape = (len(molecule.names), len(molecule.names))
-    graph = coo_array((np.ones(bonds.shape[1]), tuple(bonds)), shape=shape).tocsr()
-    return np.asarray(dijkstra(graph, directed=False, unweighted=True, limit=_FAR))
-
-
 def _wrong(
     molecule: LoopMolecule, geometry: IdealGeometry, positions: Array, apart: NDArray[np.float64]
 ) -> Iterator[str]:
@@ -338,7 +326,7 @@ def _wrong(
         if abs(off[worst]) > most:
             yield f"{where(rows[worst])} off by {abs(off[worst]):.2g}{unit}"
     near = cKDTree(positions).query_pairs(CLOSE_A, output_type="ndarray")
-    for i, j in near[apart[near[:, 0], near[:, 1]] >= _FAR][:1]:
+    for i, j in near[apart[near[:, 0], near[:, 1]] >= FAR][:1]:
         yield f"{where(np.array([i, j]))} closer than {CLOSE_A} Å"
 
 

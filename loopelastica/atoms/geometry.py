@@ -63,6 +63,8 @@ bonds and close contacts in crystals take away; the last need room for their hyd
 not there. Of 649 steps of RNA in 40 entries 1 % have C3' of one nucleotide and C5' of the next
 nearer than 3.39 Å."""
 METHYL: Final = "C7"
+FAR: Final = 3
+"""Atoms this many bonds apart or more are in each other's way."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -301,10 +303,14 @@ def _suites(molecule: LoopMolecule, moving: Moving) -> Index:
 
 
 def separations(molecule: LoopMolecule) -> Array:
-    """Bonds between each two atoms (N, N)."""
-    from rdkit import Chem
+    """Bonds between each two atoms (N, N) up to `FAR`, else infinity."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import dijkstra
 
-    return np.asarray(Chem.GetDistanceMatrix(molecule.mol))
+    bonds = np.array(molecule.bonds, dtype=np.int64).reshape(-1, 2).T
+    shape = (len(molecule.names), len(molecule.names))
+    graph = coo_array((np.ones(bonds.shape[1]), tuple(bonds)), shape=shape).tocsr()
+    return np.asarray(dijkstra(graph, directed=False, unweighted=True, limit=FAR))
 
 
 def room_A(own: Index, sort: Index, apart: Array) -> tuple[Array, Array]:

@@ -58,17 +58,13 @@ def minimum(
     -------
     Relaxed
     """
-    site, order = problem.site, problem.order
     limit = time.monotonic() + max_seconds
-    whole = np.concatenate([start[order], site.around.positions_A])
     given = _given_puckers(problem, c2_endo)
     restraints = problem.restraints(centers, line_sd, start, given)
-    loose = relax(restraints, whole, stages=STAGES[:2], max_seconds=max_seconds)
-    whole = np.array(loose.positions_A)
-    place = np.empty((len(order), 3))
-    place[order] = whole[: len(order)]
-    right_phosphates(site, place)
-    whole[: len(order)] = place[order]
+    loose = relax(restraints, problem.ordered(start), stages=STAGES[:2], max_seconds=max_seconds)
+    place = problem.in_molecule(loose.positions_A)
+    right_phosphates(problem.site, place)
+    whole = problem.ordered(place)
     phases = np.where(np.isfinite(given), given, _near_puckers(whole, problem.rings))
     clusters, _ = _clusters(problem, whole, phases)
     strict = relax(
@@ -78,7 +74,7 @@ def minimum(
         max_steps=max_steps,
         max_seconds=max(limit - time.monotonic(), 0.0),
     )
-    place[order] = strict.positions_A[: len(order)]
+    place = problem.in_molecule(strict.positions_A)
     return Relaxed(place, strict.status, loose.steps + strict.steps, strict.cost)
 
 
@@ -109,9 +105,8 @@ def mended(
     -------
     Relaxed
     """
-    order = problem.order
-    there = np.array(relaxed.positions_A)
-    whole = np.concatenate([there[order], problem.site.around.positions_A])
+    there = relaxed.positions_A
+    whole = problem.ordered(there)
     phases = _near_puckers(whole, problem.rings)
     clusters, _ = _clusters(problem, whole, phases)
     again = relax(
@@ -121,8 +116,7 @@ def mended(
         max_steps=max_steps,
         max_seconds=max_seconds,
     )
-    place = np.empty((len(order), 3))
-    place[order] = again.positions_A[: len(order)]
+    place = problem.in_molecule(again.positions_A)
     return Relaxed(place, again.status, relaxed.steps + again.steps, again.cost)
 
 
@@ -194,10 +188,9 @@ def into_clusters(
     -------
     Relaxed
     """
-    order = problem.order
     limit = time.monotonic() + max_seconds
-    there = np.array(relaxed.positions_A)
-    whole = np.concatenate([there[order], problem.site.around.positions_A])
+    there = relaxed.positions_A
+    whole = problem.ordered(there)
     phases = _near_puckers(whole, problem.rings)
     clusters, rows = _clusters(problem, whole, phases, besides)
     for suite, (row, out) in enumerate(zip(rows, turning, strict=True)):
@@ -209,13 +202,12 @@ def into_clusters(
     turned = relax(loose, whole, stages=STAGES[1:2], max_seconds=max_seconds)
     strict = relax(
         problem.restraints(centers, TURNING_LINE_SD_A, there, phases, clusters),
-        np.array(turned.positions_A),
+        turned.positions_A,
         stages=STAGES[2:],
         max_steps=max_steps,
         max_seconds=max(limit - time.monotonic(), 0.0),
     )
-    place = np.empty((len(order), 3))
-    place[order] = strict.positions_A[: len(order)]
+    place = problem.in_molecule(strict.positions_A)
     return Relaxed(place, strict.status, relaxed.steps + turned.steps + strict.steps, strict.cost)
 
 

@@ -120,6 +120,16 @@ class Problem:
             {int(new[row]): at for row, at in _junction_3(site).items()},
         )
 
+    def ordered(self, positions: Array) -> Array:
+        """Positions (N, 3) in rows of the molecule as (N + m, 3) in the order of the restraints."""
+        return np.concatenate([positions[self.order], self.site.around.positions_A])
+
+    def in_molecule(self, whole: Array) -> Array:
+        """The other way round: (N + m, 3) in the order of the restraints as (N, 3)."""
+        positions = np.empty((len(self.order), 3))
+        positions[self.order] = whole[: len(self.order)]
+        return positions
+
     def restraints(
         self,
         centers: Array,
@@ -208,8 +218,7 @@ def _least(site: Site, order: Index) -> tuple[Array, Array]:
     molecule, around = site.molecule, site.around
     n_moving = int(site.moving.sum())
     apart = separations(molecule)[np.ix_(order[:n_moving], order)]
-    symbols = [atom.GetSymbol() for atom in molecule.mol.GetAtoms()]
-    sort = sorts(symbols, molecule.names)[order]
+    sort = sorts(molecule.symbols, molecule.names)[order]
     own = sort[:n_moving, None]
     least, floor = room_A(own, sort, apart)
     outside = NEAREST_A[own, around.sort]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from loopelastica._arrays import Array
+from loopelastica._arrays import Array, read_only
 from loopelastica.atoms.carry import Curve
 from loopelastica.atoms.fibre import fibre_nucleotide, in_line_frame
 from loopelastica.atoms.measures import chi_torsion, torsion_deg
@@ -140,11 +140,12 @@ def place(
     return dict(zip(names, at[0], strict=True))
 
 
+@lru_cache
 def chi_changes(letter: str, is_dna: bool, c2_endo: bool) -> Array:
     """Change of χ of each class, degrees; :data:`SYN` is the last."""
     atoms = fibre_nucleotide(letter, is_dna, c2_endo)
     fibre = torsion_deg(*(atoms[name] for name in chi_torsion(letter)))
-    return np.array([*CHI_CHANGES_DEG[c2_endo], SYN_CHI_DEG - fibre])
+    return read_only([*CHI_CHANGES_DEG[c2_endo], SYN_CHI_DEG - fibre])
 
 
 def ring_plane(rings: Array) -> tuple[Array, Array]:

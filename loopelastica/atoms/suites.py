@@ -35,8 +35,8 @@ _POWER: Final = 3.0
 _RANGES_DEG: Final = {1: (155.0, 310.0), 2: (25.0, 335.0), 3: (25.0, 335.0), 4: (50.0, 290.0)}
 DELTA_DEG: Final = (84.0, 147.0)
 """δ of C3'-endo and of C2'-endo sugars: means over the clusters."""
-_DELTA_DEG: Final = ((60.0, 105.0), (125.0, 165.0))
-_GAMMA_DEG: Final = ((20.0, 95.0), (140.0, 215.0), (260.0, 335.0))
+_DELTA_RANGES_DEG: Final = ((60.0, 105.0), (125.0, 165.0))
+_GAMMA_RANGES_DEG: Final = ((20.0, 95.0), (140.0, 215.0), (260.0, 335.0))
 
 CLUSTERS: Final[dict[str, tuple[float, ...]]] = {
     # C3'-endo to C3'-endo
@@ -200,6 +200,10 @@ def _class(torsions_deg: Array) -> tuple[int, int, int] | None:
             return None
     found = tuple(
         next((k for k, (low, high) in enumerate(ranges) if low <= torsions_deg[place] <= high), -1)
-        for place, ranges in ((0, _DELTA_DEG), (6, _DELTA_DEG), (5, _GAMMA_DEG))
+        for place, ranges in (
+            (0, _DELTA_RANGES_DEG),
+            (6, _DELTA_RANGES_DEG),
+            (5, _GAMMA_RANGES_DEG),
+        )
     )
     return None if -1 in found else (found[0], found[1], found[2])
