@@ -29,7 +29,8 @@ def test_strands_run_along_the_chain_and_pair_outwards_from_the_closing_pair(set
 def test_bonds_have_the_lengths_of_bonds_and_reach_every_heavy_atom(structure, setting):
     bonds = np.concatenate([setting.stem_bonds_A, setting.loop_bonds_A])
     lengths = np.linalg.norm(bonds[:, 0] - bonds[:, 1], axis=1)
-    assert 1.15 < lengths.min() and lengths.max() < 1.75
+    assert lengths.min() > 1.15
+    assert lengths.max() < 1.75
     # the table of nucleotides has no third oxygen of a terminal phosphate
     heavy = structure.universe.select_atoms("not name H* and not name OP3")
     drawn = {tuple(np.round(point, 3)) for point in bonds.reshape(-1, 3)}
