@@ -52,7 +52,7 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
-html_sidebars = {"index": [], "faq": [], "comparison": [], "changelog": []}
+html_sidebars = {name: [] for name in ("index", "quality", "faq", "comparison")}
 
 templates_path = ["_templates"]
 autosummary_generate = True
