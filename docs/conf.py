@@ -1,6 +1,7 @@
-"""Settings of the documentation: python -m sphinx -W --keep-going -b html docs docs/_build/html"""
+"""Settings of the documentation: ``python -m sphinx -W --keep-going docs docs/_build/html``."""
 
 import os
+import shutil
 import sys
 import warnings
 from pathlib import Path
@@ -35,6 +36,9 @@ source_suffix = {".rst": "restructuredtext", ".md": "markdown"}
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 
+# “–jobs” is no option
+smartquotes = False
+
 html_theme = "pydata_sphinx_theme"
 html_title = f"loopelastica {release}"
 html_static_path = ["_static"]
@@ -46,7 +50,7 @@ html_math_renderer = "mathml"
 html_theme_options = {
     "navbar_align": "left",
     "show_toc_level": 2,
-    "header_links_before_dropdown": 6,
+    "header_links_before_dropdown": 7,
     "navigation_with_keys": False,
     "secondary_sidebar_items": ["page-toc"],
     "footer_start": ["copyright"],
@@ -61,8 +65,12 @@ autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
+# examples draw their pictures where they run: in a copy, so that none is left among the sources
+EXAMPLES = HERE / "_build" / "examples"
+shutil.copytree(HERE.parent / "examples", EXAMPLES, dirs_exist_ok=True)
+
 sphinx_gallery_conf = {
-    "examples_dirs": "../examples",
+    "examples_dirs": str(EXAMPLES),
     "gallery_dirs": "gallery",
     # every script is run; one that fails, fails the build
     "filename_pattern": r"\.py$",

@@ -2,6 +2,8 @@
 
 import re
 import shlex
+import subprocess
+import sys
 import warnings
 from contextlib import redirect_stdout
 from io import StringIO
@@ -10,6 +12,7 @@ from pathlib import Path
 import pytest
 import typer.main
 
+import loopelastica as le
 from loopelastica.cli.app import app
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -18,6 +21,7 @@ PAGES = sorted(page for page in DOCS.glob("*.md") if "```python" in page.read_te
 NEEDED = {"loops": "pandas", "simulation": "openmm"}
 # a block of Python, and what it prints where the page says so
 _BLOCK = re.compile(r"```python\n(.*?)```(?:\s+```text\n(.*?)```)?", re.S)
+_LINK = re.compile(r"\]\(([^)#:\s]+\.(?:md|png|svg|py))(?:#[^)]*)?\)")
 _SHELL = re.compile(r"```sh\n(.*?)```", re.S)
 
 
@@ -65,3 +69,31 @@ def test_every_command_of_the_pages_exists_with_its_options(page, words):
     known = {name for one in command.params for name in (*one.opts, *one.secondary_opts)}
     asked = {word.split("=")[0] for word in words if re.match(r"--?[a-zA-Z]", word)}
     assert asked <= known | {"--help", "-h"}
+
+
+def test_the_reference_has_every_public_name_once():
+    text = (DOCS / "api" / "index.rst").read_text("utf-8")
+    listed = re.findall(r"^   ([A-Za-z_]\w*)$", text, re.M)
+    assert sorted(listed) == sorted(set(le.__all__) - {"__version__"})
+
+
+def test_the_pages_link_only_to_files_that_are_there():
+    for page in sorted(DOCS.rglob("*.md")):
+        if "_build" in page.parts:
+            continue
+        for target in _LINK.findall(page.read_text("utf-8")):
+            assert (page.parent / target).is_file(), f"{page.name}: {target}"
+
+
+@pytest.mark.slow
+def test_the_documentation_builds_without_a_warning(tmp_path):
+    pytest.importorskip("sphinx_gallery")
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-D", "plot_gallery=0"]
+    done = subprocess.run(
+        [*command, "-d", tmp_path / "trees", DOCS, tmp_path / "html"],
+        capture_output=True, text=True, cwd=DOCS.parent,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    # nothing is fetched when a page is read
+    page = (tmp_path / "html" / "rods.html").read_text("utf-8")
+    assert not re.search(r"<(?:script|link|img)[^>]+(?:src|href)=\"https?://", page)

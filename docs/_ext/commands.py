@@ -1,9 +1,9 @@
-"""The directive ``commands``: every command of the command line with its options, as it is today."""
+"""The directive ``commands``: every command with its options, as the program has them today."""
 
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import Any, ClassVar
 
 import typer.main
 from docutils import nodes
@@ -16,9 +16,10 @@ class Commands(SphinxDirective):
     """A section for each command named (default: all), and for each command of a group."""
 
     has_content = True
-    option_spec = {"except": directives.unchanged}
+    option_spec: ClassVar[dict[str, Any]] = {"except": directives.unchanged}
 
     def run(self) -> list[nodes.Node]:
+        """Make the sections."""
         from loopelastica.cli.app import app
 
         commands: dict[str, Any] = typer.main.get_command(app).commands  # type: ignore[attr-defined]

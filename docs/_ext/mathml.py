@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+from typing import Any
 
 from docutils import nodes
 from docutils.utils.math import latex2mathml
@@ -11,25 +11,26 @@ from sphinx.errors import ExtensionError
 
 
 def mathml(formula: str, block: bool) -> str:
-    """The formula as an element ``math``; ExtensionError where it is no LaTeX that is understood."""
+    """The formula as an element ``math``; ExtensionError where it cannot be drawn."""
     try:
-        # a label is no part of a formula here
-        element = latex2mathml.tex2mathml(re.sub(r"\\label\{.*?\}", "", formula), as_block=block)
+        return latex2mathml.tex2mathml(formula, as_block=block)
     except Exception as error:
         raise ExtensionError(f"the formula {formula!r} cannot be drawn: {error}") from error
-    return element
 
 
-def visit_math(self, node: nodes.math) -> None:
+def visit_math(self: Any, node: nodes.math) -> None:
+    """Write a formula in the line."""
     self.body.append(mathml(node.astext(), block=False))
     raise nodes.SkipNode
 
 
-def visit_block(self, node: nodes.math_block) -> None:
-    self.body.append(f'<div class="math">{mathml(node.astext(), block=True)}</div>')
+def visit_block(self: Any, node: nodes.math_block) -> None:
+    """Write one that stands by itself."""
+    self.body.append(f'<div class="formula">{mathml(node.astext(), block=True)}</div>')
     raise nodes.SkipNode
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
+    """Give Sphinx the renderer."""
     app.add_html_math_renderer("mathml", (visit_math, None), (visit_block, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}
