@@ -11,6 +11,9 @@ sys.path[:0] = [str(HERE.parent), str(HERE / "_ext")]
 # examples run in processes of their own too
 os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE.parent), os.environ.get("PYTHONPATH", "")])
 
+# a molecular dynamics of minutes is shown by its first steps here
+os.environ.setdefault("PICOSECONDS", "0.4")
+
 from loopelastica import __version__ as release  # noqa: E402
 
 project = "loopelastica"
