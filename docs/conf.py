@@ -11,9 +11,6 @@ sys.path[:0] = [str(HERE.parent), str(HERE / "_ext")]
 # examples run in processes of their own too
 os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE.parent), os.environ.get("PYTHONPATH", "")])
 
-# a molecular dynamics of minutes is shown by its first steps here
-os.environ.setdefault("PICOSECONDS", "0.4")
-
 from loopelastica import __version__ as release  # noqa: E402
 
 project = "loopelastica"
@@ -75,9 +72,9 @@ shutil.copytree(HERE.parent / "examples", EXAMPLES, dirs_exist_ok=True)
 sphinx_gallery_conf = {
     "examples_dirs": str(EXAMPLES),
     "gallery_dirs": "gallery",
-    # every script is run; one that fails, fails the build
+    # every script is run; one that fails, fails the build. Those that render need PyMOL
     "filename_pattern": r"\.py$",
-    "ignore_pattern": r"__init__|picture",
+    "ignore_pattern": r"__init__|render_",
     "abort_on_example_error": False,
     "only_warn_on_example_error": False,
     "download_all_examples": False,
