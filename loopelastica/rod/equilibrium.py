@@ -240,7 +240,7 @@ class Equilibrium(Record):
         return self.loads[3:] + np.cross(self.loads[:3], self.centerline(n))
 
     def curvature(self, n: int | ArrayLike) -> Array:
-        """``|κ(s)|``, shape (n,), in 1/L: the moment across the tangent (eq. 4)."""
+        """|κ(s)|, shape (n,), in 1/L: the moment across the tangent (eq. 4)."""
         moment = self.moment(n)
         # |M × t| keeps its digits where |M|² − M3² would cancel
         return np.asarray(np.linalg.norm(np.cross(moment, self.frames(n)[:, :, 2]), axis=1))
