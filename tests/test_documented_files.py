@@ -110,7 +110,7 @@ def test_filled_and_refused_strands_are_as_their_schema_says(filled, name, statu
 
 
 def test_hairpins_are_as_their_schema_says(tmp_path):
-    run("hairpins", SOURCE, "--json", tmp_path / "hairpins.json")
+    run("hairpins", SOURCE, "-o", tmp_path / "hairpins.json")
     check(tmp_path / "hairpins.json", "hairpins")
 
 
@@ -136,5 +136,5 @@ def test_files_of_real_structures_are_as_their_schemas_say(hairpin_folder, tmp_p
     for path in rankings:
         check(path, "ranking")
     for number, source in enumerate(sources):
-        run("hairpins", source, "--json", tmp_path / f"{number}.json")
+        run("hairpins", source, "-o", tmp_path / f"{number}.json")
         check(tmp_path / f"{number}.json", "hairpins")
