@@ -67,7 +67,8 @@ numpydoc_xref_param_type = False
 
 # examples draw their pictures where they run: in a copy, so that none is left among the sources
 EXAMPLES = HERE / "_build" / "examples"
-shutil.copytree(HERE.parent / "examples", EXAMPLES, dirs_exist_ok=True)
+shutil.rmtree(EXAMPLES, ignore_errors=True)
+shutil.copytree(HERE.parent / "examples", EXAMPLES)
 
 sphinx_gallery_conf = {
     "examples_dirs": str(EXAMPLES),
