@@ -38,7 +38,7 @@ def fold(structure: Any, /, options: FoldOptions) -> list[LoopFold]:
     Parameters
     ----------
     structure : path, MDAnalysis.Universe or MDAnalysis.AtomGroup
-        PDB or mmCIF file (gzipped or not; mmCIF needs the extra ``mmcif``), with all its models; or
+        PDB or mmCIF file, gzipped or not, with all its models; or
         a Universe or a group of its atoms, in the current frame of its trajectory.
     {options}
 
