@@ -63,7 +63,8 @@ def draw(group, ceiling, left=0):
         other, free = draw(parts[1], energy, free)
         place, colour = (one + other) / 2, "0.3"
         graph.plot([one, other], [energy, energy], color=colour, lw=2)
-        graph.text(place + 0.05, energy + 1.0, f"pass {energy:.2f}", fontsize=10, color="#D55E00")
+        label = {"ha": "right", "va": "center", "color": "#D55E00"}
+        graph.text(one - 0.12, energy, f"pass {energy:.2f}", **label)
     graph.plot([place, place], [energy, ceiling], color=colour, lw=2, zorder=1)
     return place, free
 
@@ -73,9 +74,9 @@ for group in sorted(groups, key=lambda group: min(rods[i].energy for i in group[
     start = left
     _, left = draw(group, top, left)
     turns = sorted(rods[i].turns for i in group[0])
-    name = "turns " + ", ".join(f"{t:+d}" if t else "0" for t in turns)
-    graph.text((start + left - 1) / 2, top + 1.0, name, ha="center", va="bottom", fontsize=10)
-graph.set_xlim(-0.6, left - 0.4)
+    name = ", ".join(f"{t:+d}".replace("-", "−") if t else "0" for t in turns)
+    graph.text((start + left - 1) / 2, top + 1.0, f"{name} turns", ha="center", va="bottom", fontsize=10)
+graph.set_xlim(-1.4, left - 0.4)
 graph.set_ylim(0.0, top)
 graph.set_xticks([])
 graph.set_ylabel("energy (K0/L)")
@@ -101,9 +102,10 @@ def tube(axes, rod, colour, radius=0.022):
 
 shown = [(rods[i], colours[i]) for i in minima] + [(rod, "#D55E00") for rod in saddles.values()]
 for k, (rod, colour) in enumerate(shown[:9]):
-    axes = figure.add_axes((0.52 + 0.16 * (k % 3), 0.62 - 0.31 * (k // 3), 0.16, 0.28), projection="3d")
+    place = (0.52 + 0.16 * (k % 3), 0.63 - 0.31 * (k // 3), 0.16, 0.27)
+    axes = figure.add_axes(place, projection="3d")
     tube(axes, rod, colour)
-    axes.set_title(f"{rod.energy:.2f}", fontsize=10, color=colour, y=0.96)
+    axes.text2D(0.3, 0.25, f"{rod.energy:.2f}", ha="center", color=colour, transform=axes.transAxes)
     axes.set_axis_off()
     axes.view_init(12, -35)
     for name, middle in zip("xyz", (-0.12, -0.02, 0.27), strict=True):
