@@ -1,15 +1,15 @@
-"""Structures that come with the package, to try things on: paths of PDB files.
+"""Files that come with the package, to try things on.
 
     from loopelastica.datafiles import RNA_2KOC
 
-All are entries of the Protein Data Bank as deposited, whose data are free of copyright (CC0).
+The structures are entries of the Protein Data Bank as deposited, whose data are free of copyright (CC0).
 """
 
 from typing import Final
 
 from loopelastica._files import data_path
 
-__all__ = ["RNA_1Y26", "RNA_2KOC", "RNA_430D", "RNA_4GXY"]
+__all__ = ["LOOPS", "RNA_1Y26", "RNA_2KOC", "RNA_430D", "RNA_4GXY"]
 
 RNA_1Y26: Final = str(data_path("hairpins/1y26.pdb.gz"))
 """Adenine riboswitch, X-ray; its two hairpin loops kiss each other."""
@@ -22,3 +22,6 @@ RNA_430D: Final = str(data_path("hairpins/430d.pdb.gz"))
 
 RNA_4GXY: Final = str(data_path("hairpins/4gxy.pdb.gz"))
 """Adenosylcobalamin riboswitch, X-ray; two stretches of nucleotides were not observed."""
+
+LOOPS: Final = str(data_path("loops.lib"))
+"""Library of hairpin loops that :func:`loopelastica.fold` uses by default."""
