@@ -13,7 +13,9 @@ compared with it. Here the twenty NMR models of 2KOC serve as frames.
 
 import warnings
 
+import matplotlib.pyplot as plt
 import MDAnalysis as mda
+import numpy as np
 
 import loopelastica as le
 from loopelastica.datafiles import RNA_2KOC
@@ -58,8 +60,6 @@ print(f"expected {expected:.2f} Å, in 80 % of cases {low:.2f} to {high:.2f} Å;
 # line. On the right, all frames where the file has them, a point for each nucleotide's backbone:
 # the stems in grey, the loops in black, and in blue the traces that were folded on these stems.
 
-import matplotlib.pyplot as plt
-import numpy as np
 
 BLUE = "#0072B2"
 figure = plt.figure(figsize=(9.6, 5.0), layout="constrained")

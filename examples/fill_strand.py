@@ -15,13 +15,22 @@ moves.
 # filled, whether its bonds, angles, hands and contacts are sound, and the error to expect. That
 # error is calibrated on strands that were taken out of other structures.
 
+import matplotlib.pyplot as plt
+import MDAnalysis as mda
+import numpy as np
+from matplotlib.collections import LineCollection
+from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
+
 import loopelastica as le
 from loopelastica.datafiles import RNA_4GXY
 
 filling = le.fill(RNA_4GXY)
 for strand in filling.strands:
     low, middle, high = strand.expected_rmsd_A
-    print(f"{strand.name} {strand.sequence}: {strand.status}, sound: {strand.sound}, {strand.shape}")
+    print(
+        f"{strand.name} {strand.sequence}: {strand.status}, sound: {strand.sound}, {strand.shape}"
+    )
     print(f"  error to expect {middle:.1f} Å, in 80 % of cases {low:.1f} to {high:.1f} Å")
 
 # %%
@@ -39,12 +48,6 @@ print("written to", filling.write("filled.pdb"))
 # shades say how far off they may be: half of all such strands lie within the darker one, nine in
 # ten within the lighter.
 
-import matplotlib.pyplot as plt
-import MDAnalysis as mda
-import numpy as np
-from matplotlib.collections import LineCollection
-from scipy.interpolate import CubicSpline
-from scipy.spatial import cKDTree
 
 COLOURS = ("#0072B2", "#D55E00")
 BETWEEN = 8  # pieces of line from one nucleotide to the next

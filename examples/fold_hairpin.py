@@ -12,6 +12,10 @@ with, where it is; nothing is superposed.
 # ------------------------------
 # Here it is one. The stem is found from the coordinates, and so are the ends of the loop.
 
+import matplotlib.pyplot as plt
+import MDAnalysis as mda
+import numpy as np
+
 import loopelastica as le
 from loopelastica.datafiles import RNA_2KOC
 
@@ -42,9 +46,6 @@ for residue, point in zip(loop.hairpin.residues, loop.candidates[0].trace, stric
 # from two sides. On the right how far each nucleotide is from where the file has it, and, as bars,
 # the error to expect of each answer.
 
-import matplotlib.pyplot as plt
-import MDAnalysis as mda
-import numpy as np
 
 COLOURS = ("#0072B2", "#E69F00", "#CC79A7")
 chosen = loop.candidates[:3]

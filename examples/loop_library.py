@@ -44,9 +44,9 @@ print(table.sequence(0), shape, "->", chain)
 # The hairpin of 430D, a GAGA loop
 # --------------------------------
 # It is in none of the three. It is folded as a straight rod; with the library of three structures,
-# whose one loop of four nucleotides is not of its kind (``like=RNA_2KOC`` would name that loop); and
-# with the library that comes with the package, from which loops with a related sequence are left
-# out for an honest test.
+# whose one loop of four nucleotides is not of its kind (``like=RNA_2KOC`` would name that loop);
+# and with the library that comes with the package, from which loops with a related sequence are
+# left out for an honest test.
 
 answers = {}
 for name, options in {
@@ -99,13 +99,13 @@ centre = own.mean(axis=0)
 axes_of_view = np.linalg.svd(own - centre, full_matrices=False)[2][:2]
 # the loop above its stem
 axes_of_view[1] *= np.sign((own[2] + own[3] - own[0] - own[-1]) @ axes_of_view[1])
-for (name, first), colour in zip(answers.items(), COLOURS, strict=True):
+for first, colour in zip(answers.values(), COLOURS, strict=True):
     line = first.line.points(np.linspace(0, 1, 100))
     place.plot(*((line - centre) @ axes_of_view.T).T, color=colour, lw=3.5)
 place.plot(*((own - centre) @ axes_of_view.T).T, "k--", marker="o", ms=5, lw=1.2)
 place.set(aspect="equal", xlabel="Å", ylabel="Å")
 place.set_title("430D: three answers, and its own loop", fontsize=11)
-for row, ((name, first), colour) in enumerate(zip(answers.items(), COLOURS, strict=True)):
+for row, (first, colour) in enumerate(zip(answers.values(), COLOURS, strict=True)):
     low, middle, high = first.expected_rmsd_A
     errors.plot([low, high], [row, row], color=colour, lw=14, alpha=0.4, solid_capstyle="butt")
     errors.plot([middle, middle], [row - 0.17, row + 0.17], color=colour, lw=3)

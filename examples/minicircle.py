@@ -14,7 +14,9 @@ shapes follow from one clamping: the end of the rod meets its start and is turne
 # ΔLk, in turns. Bending and twist persistence of DNA are about 50 nm and 75 nm, hence the torsion
 # ratio C/A = 1.5. Energies are in A/L: for a ring of 94 base pairs, 32 nm, this is 1.6 kT.
 
+import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import to_rgb
 
 import loopelastica as le
 
@@ -93,8 +95,6 @@ for turns, rod in zip(excess[1:], coiled[1:], strict=True):
 # On the left the energy of the circle, its threshold, and the coiled rings that branch off there
 # and lead back to the figure eight; on the right the rings, with stripes that show the twist.
 
-import matplotlib.pyplot as plt
-from matplotlib.colors import to_rgb
 
 BLUE, ORANGE = "#0072B2", "#D55E00"
 lost = np.sqrt(3.0) / RATIO

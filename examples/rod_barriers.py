@@ -13,6 +13,10 @@ energy is the barrier. ``le.barriers`` finds the lowest pass between each two mi
 # differ by a full turn of the end cannot be reached from each other with both ends clamped; two
 # such turns can be undone by leading the rod over its end.
 
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import to_rgb
+
 import loopelastica as le
 
 clamping = le.Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2])
@@ -30,9 +34,6 @@ for barrier in barriers:
 # Each minimum is a line that ends at its energy; lines meet at the lowest pass between them. Minima
 # that never meet belong to different numbers of turns.
 
-import matplotlib.pyplot as plt
-import numpy as np
-from matplotlib.colors import to_rgb
 
 # groups of minima that lower passes have joined: members, the two groups they are of, energy
 groups = [({i}, None, rods[i].energy) for i in minima]
@@ -75,7 +76,9 @@ for group in sorted(groups, key=lambda group: min(rods[i].energy for i in group[
     _, left = draw(group, top, left)
     turns = sorted(rods[i].turns for i in group[0])
     name = ", ".join(f"{t:+d}".replace("-", "−") if t else "0" for t in turns)
-    graph.text((start + left - 1) / 2, top + 1.0, f"{name} turns", ha="center", va="bottom", fontsize=10)
+    graph.text(
+        (start + left - 1) / 2, top + 1.0, f"{name} turns", ha="center", va="bottom", fontsize=10
+    )
 graph.set_xlim(-1.4, left - 0.4)
 graph.set_ylim(0.0, top)
 graph.set_xticks([])

@@ -13,7 +13,9 @@ stable, and estimates what its search may have missed.
 # It is that of Fig. 6 of Ameline et al., J. Comput. Phys. 373 (2018) 736: the end's position in
 # units of the rod's length, and the ZYZ Euler angles of its frame.
 
+import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import to_rgb
 
 import loopelastica as le
 
@@ -27,7 +29,9 @@ rods = le.equilibria(clamping, torsion_ratio=1.0)
 
 print("energy   index  twist   writhe  residual")
 for rod in rods:
-    print(f"{rod.energy:8.4f}  {rod.index}  {rod.twist:7.3f} {rod.writhe:7.3f}   {rod.residual:.0e}")
+    print(
+        f"{rod.energy:8.4f}  {rod.index}  {rod.twist:7.3f} {rod.writhe:7.3f}   {rod.residual:.0e}"
+    )
 print(rods.evidence)
 
 # %%
@@ -42,8 +46,6 @@ print(rods.morse)
 # The shapes of least energy, stable ones in the upper row. Each is drawn with its frame, a band
 # along the rod that shows the twist; all have the same two ends.
 
-import matplotlib.pyplot as plt
-from matplotlib.colors import to_rgb
 
 shown = [rod for rod in rods if rod.stable][:4] + [rod for rod in rods if not rod.stable][:4]
 figure, grid = plt.subplots(2, 4, figsize=(10.5, 6.2), subplot_kw={"projection": "3d"})

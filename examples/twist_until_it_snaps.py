@@ -12,7 +12,9 @@ the place where somebody who turns it by hand loses it, and says where that is.
 # ----------------------
 # Both ends are clamped along one line, 1 − slack rod lengths apart.
 
+import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import to_rgb
 
 import loopelastica as le
 
@@ -74,8 +76,6 @@ for slack, found in zip(more, snaps, strict=True):
 # fold, which no hand can follow. Arrows lead to where each rod snaps to. Below, a rod with a slack
 # of 0.3 on its way.
 
-import matplotlib.pyplot as plt
-from matplotlib.colors import to_rgb
 
 COLOURS = ("#0072B2", "#009E73", "#E69F00", "#CC79A7")
 figure = plt.figure(figsize=(10.4, 6.4))
@@ -127,7 +127,7 @@ def draw(axes, rod, colour, radius=0.016, n=240):
     faces *= 0.7 + 0.3 * (outward @ light)[:, :, None]
     surface = np.moveaxis((line @ view.T)[:, None] + radius * outward, -1, 0)
     axes.plot_surface(*surface, facecolors=faces, rstride=1, cstride=1, shade=False, lw=0)
-    for end, clamp in ((0.0, (-0.08, 0.0)), (line[-1, 2], (line[-1, 2], line[-1, 2] + 0.08))):
+    for clamp in ((-0.08, 0.0), (line[-1, 2], line[-1, 2] + 0.08)):
         axes.plot(clamp, (0, 0), (0, 0), color="0.4", lw=6, solid_capstyle="butt")
     axes.set_axis_off()
     axes.view_init(15, -90)
@@ -141,7 +141,10 @@ path = paths[0.3]
 fold = next(k for k, rod in enumerate(path.rods) if rod.index == 1)
 chosen = [int(np.argmin(abs(path.parameter[:fold] - t))) for t in (0.0, 1.0, 2.0)]
 shown = [(path.rods[k], f"{path.parameter[k]:.1f} turns") for k in chosen]
-shown += [(path.rods[fold - 1], f"{path.snaps_at:.2f} turns: it snaps …"), (snapped[0.3], "… to this")]
+shown += [
+    (path.rods[fold - 1], f"{path.snaps_at:.2f} turns: it snaps …"),
+    (snapped[0.3], "… to this"),
+]
 for k, (rod, title) in enumerate(shown):
     axes = figure.add_axes((0.01 + 0.197 * k, -0.02, 0.19, 0.34), projection="3d")
     draw(axes, rod, COLOURS[1])

@@ -2,14 +2,15 @@
 
     from loopelastica.datafiles import RNA_2KOC
 
-The structures are entries of the Protein Data Bank as deposited, whose data are free of copyright (CC0).
+The structures are entries of the Protein Data Bank as deposited; its data are free of copyright
+(CC0).
 """
 
 from typing import Final
 
 from loopelastica._files import data_path
 
-__all__ = ["LOOPS", "RNA_1Y26", "RNA_2KOC", "RNA_430D", "RNA_4GXY"]
+__all__ = ["LOOPS", "RNA_1Y26", "RNA_2KOC", "RNA_4GXY", "RNA_430D"]
 
 RNA_1Y26: Final = str(data_path("hairpins/1y26.pdb.gz"))
 """Adenine riboswitch, X-ray; its two hairpin loops kiss each other."""
