@@ -61,10 +61,10 @@ holding = openmm.CustomExternalForce("k/2 * ((x - x0)^2 + (y - y0)^2 + (z - z0)^
 holding.addGlobalParameter("k", 1.0 * unit.kilocalorie_per_mole / unit.angstrom**2)
 for name in ("x0", "y0", "z0"):
     holding.addPerParticleParameter(name)
+system.addForce(holding)
 for atom, own in zip(heavy, in_loop, strict=True):
     if not own:
         holding.addParticle(atom.index, places[atom.index])
-system.addForce(holding)
 
 # %%
 # Minimize, then dynamics
