@@ -125,7 +125,7 @@ def build_library(
     >>> import tempfile
     >>> from loopelastica._files import data_path
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     print(build_library(data_path("hairpins"), f"{folder}/loops.lib").library)
+    ...     print(build_library(data_path("hairpins/2koc.pdb"), f"{folder}/loops.lib").library)
     <Library of 1 loop: RNA4>
     """
     if not isinstance(out, str | os.PathLike):
