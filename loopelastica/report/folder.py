@@ -23,6 +23,8 @@ from loopelastica._files import (
 from loopelastica._names import printable, safe_name, safe_stem
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb
+from loopelastica.molecule.setting import Settings
+from loopelastica.report.page.scene import SCENE, fold_scene, write_scene
 from loopelastica.report.pdb import (
     WholeStructure,
     bond_records,
@@ -32,7 +34,7 @@ from loopelastica.report.pdb import (
     renamed_records,
 )
 from loopelastica.report.plots import plot_fold
-from loopelastica.report.records import candidate_row, line, loop_row, ranking
+from loopelastica.report.records import LINE_POINTS, candidate_row, line, loop_row, ranking
 from loopelastica.report.viewers import path_from, shown_file, write_chimerax, write_pymol
 
 if TYPE_CHECKING:
@@ -88,6 +90,7 @@ def write_fold(
     plot: bool = True,
     whole: WholeStructure | None = None,
     atoms: "LoopAtoms | None" = None,
+    settings: Settings | None = None,
 ) -> dict[str, Any]:
     """Write the folder of one folded loop, whole or not at all.
 
@@ -109,6 +112,8 @@ def write_fold(
         Write whole.pdb from it.
     atoms : LoopAtoms, optional
         Write atoms.pdb, atoms.cif, loop.sdf and atoms.json from it.
+    settings : Settings, optional
+        Write scene.js, what report.html shows of the loop, from it.
 
     Returns
     -------
@@ -149,9 +154,13 @@ def write_fold(
         content = ranking(source, fold, structure.remarks)
         built = None if atoms is None else atoms.options()
         content["written"] = {
-            "path": seen, "plot": plot, "whole": whole is not None, "atoms": built
+            "path": seen, "plot": plot, "whole": whole is not None, "atoms": built,
+            "scene": settings is not None,
         }  # fmt: skip
         files = {MANIFEST, *(entry.name for entry in part.iterdir() if entry.name != NOTE)}
+        if settings is not None:
+            _write_scene(part / SCENE, fold, settings, atoms, content, files)
+            files.add(SCENE)
         write_json(part / MANIFEST, {**content, "files": sorted(files)})
     return {name: content[name] for name in _KEY}
 
@@ -189,6 +198,27 @@ def _write_traces(path: Path, fold: LoopFold, structure: Structure, letter: str)
         lines += point_records(fold, structure, candidate, letter, 1)
         lines.append("ENDMDL")
     write_text(path, "\n".join([*lines, *bond_records(1, len(fold.hairpin)), "END", ""]))
+
+
+def _write_scene(
+    path: Path,
+    fold: LoopFold,
+    settings: Settings,
+    atoms: "LoopAtoms | None",
+    content: Mapping[str, Any],
+    files: Collection[str],
+) -> None:
+    """What report.html shows of the loop, with what the manifest says of its origin."""
+    source = content["input"]
+    setting = settings.of(fold.hairpin, fold.candidates[0].line.points(LINE_POINTS))
+    name = printable(source.get("file") or source["sequence"])
+    provenance = {
+        "version": content["version"],
+        "sha256": source.get("sha256"),
+        "parameters": content["parameters"],
+        "files": sorted(files),
+    }
+    write_scene(path, [fold_scene(fold, setting, name, atoms, content["remarks"])], provenance)
 
 
 def other_folds(out: Path, names: Collection[str]) -> list[str]:
