@@ -15,12 +15,21 @@ from loopelastica._names import printable
 from loopelastica._version import __version__
 from loopelastica.filling.result import FilledCandidate, FilledStrand, Filling
 from loopelastica.folding.line import StrandLine
+from loopelastica.folding.lines import POINTS_PER_NUCLEOTIDE
 from loopelastica.folding.shape_line import ShapeLine
 from loopelastica.molecule.polymer import Gap, HeavyAtoms, Monomer
 from loopelastica.molecule.setting import NEAR_A
 from loopelastica.molecule.surroundings import heavy_atoms
-from loopelastica.molecule.trace import smoothed_line
-from loopelastica.report.page.scene import chain_of, curve, flat, line_points, sticks, write_scene
+from loopelastica.molecule.trace import smoothed_phases
+from loopelastica.report.page.scene import (
+    chain_of,
+    curve,
+    curve_points,
+    flat,
+    own_curve,
+    sticks,
+    write_scene,
+)
 
 _STEP_A: Final = 9.0
 """Longest step along a chain between C4' atoms, or CA atoms."""
@@ -113,13 +122,12 @@ def _own(gap: Gap) -> dict[str, Any] | None:
     centroids = np.array([_centroid(one) for one in (gap.before, *gap.replaces, gap.after)])
     if len(gap.replaces) != len(gap) or not np.isfinite(centroids).all():
         return None
-    return {"line": flat(smoothed_line(centroids, line_points(len(gap)))), "bonds": []}
+    return {**own_curve(centroids), "bonds": []}
 
 
 def _candidate(candidate: FilledCandidate) -> dict[str, Any]:
     line, checks = candidate.line, candidate.atoms.checks
     low, middle, high = candidate.expected_rmsd_A.tolist()
-    length_A = line.ends.length_A if isinstance(line, StrandLine) else line.chain.curve_A
     return {
         "rank": candidate.rank,
         "shape": candidate.shape,
@@ -129,26 +137,21 @@ def _candidate(candidate: FilledCandidate) -> dict[str, Any]:
         "energy_per_A": line.energy_per_A,
         "sound": checks.sound,
         "why": "; ".join(checks.wrong),
-        **curve(_Curve(line), length_A, candidate.trace),
+        **_curve(line, len(candidate.trace)),
         "atoms": sticks(candidate.atoms.molecule, candidate.atoms.positions_A),
     }
 
 
-class _Curve:
-    """A strand's line, of either kind, in the coordinates of the file."""
-
-    def __init__(self, line: StrandLine | ShapeLine) -> None:
-        self._line = line
-
-    def points(self, n: int) -> Array:
-        if isinstance(self._line, ShapeLine):
-            return self._line.chain.points(n)
-        return self._line.ends.to_file(self._line.rod.centerline(n))
-
-    def curvature_per_A(self, n: int) -> Array:
-        if isinstance(self._line, ShapeLine):
-            return self._line.chain.curvature_per_A(n)
-        return self._line.rod.curvature(n) / self._line.ends.length_A
+def _curve(line: StrandLine | ShapeLine, n: int) -> dict[str, Any]:
+    """A strand's line, of either kind."""
+    k = curve_points(n)
+    if isinstance(line, ShapeLine):
+        points, _ = line.chain.sampled()
+        return curve(points, line.trace, line.chain.phases(k), line.chain.curvature_per_A(k))
+    ends = line.ends
+    points = ends.to_file(line.rod.centerline(POINTS_PER_NUCLEOTIDE * n + 1))
+    curvature = line.rod.curvature(k) / ends.length_A
+    return curve(points, line.trace, smoothed_phases(n, k), curvature)
 
 
 def _neighbours(

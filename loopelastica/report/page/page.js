@@ -45,7 +45,7 @@ async function choose(index, seen) {
   if (!row) return;
   table.mark(index);
   byId("viewer").hidden = false;
-  byId("title").textContent = [row.file, row.loop].filter(Boolean).join(" · ");
+  byId("title").textContent = [String(row.file ?? "").split(/[/\\]/).pop(), row.loop].filter(Boolean).join(" · ");
   byId("about").replaceChildren(...describe(row));
   byId("previous").disabled = table.beside(-1) === undefined;
   byId("next").disabled = table.beside(1) === undefined;
@@ -107,7 +107,7 @@ function controls() {
     ["energy_kT", "energy (kT)", "number", energy], ["energy_per_A", "E/K0 (1/Å)", "number", digits(4)],
     ["rmsd_A", "RMSD (Å)", "number", digits(2)], ["touches", "touches", ""],
     ["sound", "atoms", "", (row, value) => element("span", { title: row.why || null }, sound(row, value))],
-  ].filter(([key]) => key !== "energy_per_A" || !isNumber(item.candidates[0].energy_kT)).filter(([key]) => item.candidates.some((c) => c[key] !== null && c[key] !== undefined && c[key] !== "" && c[key] !== false) || (key === "sound" && built));
+  ].filter(([key]) => known(item.candidates, key) && !(key === "energy_per_A" && known(item.candidates, "energy_kT")));
   const head = element("tr", {}, element("th", { scope: "col" }, box("show", state.shown.size === item.candidates.length, all, "all")),
     built ? element("th", { scope: "col" }, "sticks") : null,
     ...columns.map(([, name, kind]) => element("th", { class: kind, scope: "col", title: name === "expected error (Å)" ? EXPECTED : null }, name)));
@@ -141,10 +141,17 @@ function draw(fresh) {
   const axis = { zeroline: false, gridcolor: "#edf0f3", linecolor: "#c3c8cf", rangemode: "tozero", title: { font: { size: 12 }, standoff: 6 }, automargin: true };
   const flat = {
     margin: { l: 48, r: 8, t: 6, b: 36 }, showlegend: false, font: { size: 11 }, hovermode: "closest",
-    xaxis: { ...axis, title: { ...axis.title, text: "arc length (Å)" } }, yaxis: { ...axis, title: { ...axis.title, text: "curvature (1/Å)" } },
+    xaxis: { ...axis, rangemode: "normal", title: { ...axis.title, text: "nucleotide" }, ...ticks(item) }, yaxis: { ...axis, title: { ...axis.title, text: "curvature (1/Å)" } },
   };
-  Plotly.react(stage, sceneTraces(item, state, run.colours), layout, QUIET);
+  // another loop is drawn from the start: labels keep the size they had on a scene of another scale
+  const put = fresh ? Plotly.newPlot : Plotly.react;
+  put(stage, sceneTraces(item, state, run.colours), layout, QUIET);
   Plotly.react(byId("curvature"), curvatureTraces(item, state, run.colours), flat, { ...QUIET, displayModeBar: false });
+}
+
+function ticks(item) {
+  const step = Math.ceil(item.labels.length / 12), every = (_, k) => k % step === 0;
+  return { tickvals: item.labels.map((_, k) => k + 1).filter(every), ticktext: item.labels.map(short).map(plain).filter(every), tickangle: 0 };
 }
 
 function facts(values) {
@@ -154,11 +161,11 @@ function facts(values) {
 
 function head() {
   const files = new Set(run.rows.map((row) => row.file)), word = (count, one) => `${count.toLocaleString("en")} ${one}${count === 1 ? "" : "s"}`;
-  const what = run.rows.some((row) => row.status) ? "strand" : "loop";
   byId("heading").textContent = run.folder;
   const failed = run.failures.length ? ` · ${word(run.failures.length, "failure")}` : "";
   byId("summary").textContent = `${word(run.rows.length, what)} of ${word(files.size, "file")}${failed} · ${run.program} · ${run.written}`;
-  byId("count").textContent = `${word(run.rows.length, what)}`;
+  byId("count").textContent = word(run.rows.length, what);
+  byId("bend").textContent = `Curvature along the ${what}`;
 }
 
 function foot() {

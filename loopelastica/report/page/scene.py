@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +20,7 @@ from loopelastica.folding.rank import Candidate
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.setting import Chain, Setting
-from loopelastica.molecule.trace import smoothed_line
+from loopelastica.molecule.trace import smoothed_curvature, smoothed_line, smoothed_phases
 from loopelastica.report.records import candidate_row
 
 if TYPE_CHECKING:
@@ -32,15 +32,8 @@ SCENE: Final = "scene.js"
 
 _HEAD: Final = "window.loopelasticaScene = "
 _POINTS: Final = 8
-"""Points of a line per nucleotide."""
+"""Points per nucleotide at which curvature is shown."""
 _MOST: Final = 161
-
-
-class _Line(Protocol):
-    """A curve in the coordinates of the file."""
-
-    def points(self, n: int, /) -> Array: ...
-    def curvature_per_A(self, n: int, /) -> Array: ...
 
 
 def fold_scene(
@@ -100,8 +93,7 @@ def _own(fold: LoopFold, setting: Setting) -> dict[str, Any] | None:
     """The file's own loop."""
     if fold.backbone_A is None:
         return None
-    smooth = smoothed_line(fold.backbone_A, line_points(len(fold.hairpin)))
-    return {"line": flat(smooth), "bonds": flat(setting.loop_bonds_A)}
+    return {**own_curve(fold.backbone_A), "bonds": flat(setting.loop_bonds_A)}
 
 
 def _candidate(candidate: Candidate, n: int, atoms: LoopAtoms | None) -> dict[str, Any]:
@@ -109,42 +101,68 @@ def _candidate(candidate: Candidate, n: int, atoms: LoopAtoms | None) -> dict[st
     if atoms is not None:
         columns = atoms.columns(candidate.rank)
         row |= {"sound": columns["atoms_sound"], "why": columns["atoms_not_sound_because"]}
+    line, count = candidate.line, curve_points(n)
+    points, _ = line.sampled()
     model = next((m for m in atoms.models if m.rank == candidate.rank), None) if atoms else None
     return {
         **row,
-        **curve(candidate.line, candidate.line.curve_A, candidate.trace),
+        **curve(points, candidate.trace, line.phases(count), line.curvature_per_A(count)),
         "atoms": None if model is None else sticks(model.molecule, model.positions_A),
     }
 
 
-def curve(line: _Line, length_A: float, trace: Array) -> dict[str, Any]:
+def curve(points_A: Array, trace_A: Array, phases: Array, curvature: Array) -> dict[str, Any]:
     """A candidate's line, with a point for each nucleotide.
 
     Parameters
     ----------
-    line : object
-        With ``points(n)`` and ``curvature_per_A(n)``.
-    length_A : float
-        Its length.
-    trace : (n, 3) array
+    points_A : (m, 3) array
+        Of the line.
+    trace_A : (n, 3) array
         Its nucleotides.
+    phases : (k,) array
+        Where its curvature is known, in nucleotides from the one before.
+    curvature : (k,) array
+        1/Å.
 
     Returns
     -------
     dict
     """
-    n = line_points(len(trace))
     return {
-        "line": flat(line.points(n)),
-        "trace": flat(trace),
-        "curve_A": round(float(length_A), 2),
-        "curvature": _rounded(line.curvature_per_A(n), 4),
+        "line": flat(points_A),
+        "trace": flat(trace_A),
+        "phases": _rounded(phases, 2),
+        "curvature": _rounded(curvature, 4),
     }
 
 
-def line_points(nucleotides: int) -> int:
-    """How many points of a line are drawn."""
-    return min(_POINTS * (nucleotides + 1) + 1, _MOST)
+def curve_points(nucleotides: int) -> int:
+    """At how many points of a line curvature is shown."""
+    return min(_POINTS * nucleotides + 1, _MOST)
+
+
+def own_curve(centroids_A: Array) -> dict[str, Any]:
+    """The smooth line of the file's own nucleotides.
+
+    Parameters
+    ----------
+    centroids_A : (n + 2, 3) array
+        Of their backbones, with those of the nucleotides before and after.
+
+    Returns
+    -------
+    dict
+        As of a candidate's.
+    """
+    nucleotides = len(centroids_A) - 2
+    n = curve_points(nucleotides)
+    return curve(
+        smoothed_line(centroids_A, n),
+        centroids_A[1:-1],
+        smoothed_phases(nucleotides, n),
+        smoothed_curvature(centroids_A, n),
+    )
 
 
 def sticks(molecule: LoopMolecule, positions_A: Array) -> dict[str, Any]:

@@ -33,12 +33,13 @@ function sound(row, value) {
   return text === "true" ? "sound" : text === "false" ? "not sound" : "";
 }
 
+const what = window.report.rows.some((row) => row.status) ? "strand" : "loop";
 const EXPECTED = "The median of the error to expect of the trace, and the range of 80 % of cases, Å";
 // key, heading, class, text of a cell, what the heading means
 const COLUMNS = [
   ["file", "file", "name"],
   ["model", "model", "number"],
-  ["loop", "loop", "name"],
+  ["loop", what, "name"],
   ["closing_pair", "closing pair", "name"],
   ["sequence", "sequence", "sequence"],
   ["nucleotides", "nt", "number"],
@@ -59,10 +60,12 @@ const textOf = (row, key, format) => {
   return value === null || value === undefined ? "" : String(value);
 };
 
+const known = (rows, key) => rows.some((row) => row[key] !== null && row[key] !== undefined && row[key] !== "");
+
 function used(rows) {
   return COLUMNS.filter(([key]) => {
     if (key === "model") return new Set(rows.map((row) => row.model)).size > 1;
-    return rows.some((row) => row[key] !== null && row[key] !== undefined && row[key] !== "");
+    return known(rows, key);
   });
 }
 
@@ -102,11 +105,11 @@ class Table {
     const { key, down } = this.sorted;
     if (key) {
       const order = new Intl.Collator("en", { numeric: true });
-      const known = (value) => value !== null && value !== undefined && value !== "";
+      const there = (value) => value !== null && value !== undefined && value !== "";
       this.shown.sort((one, other) => {
         const [a, b] = [one.row[key], other.row[key]];
         // what is unknown comes last, whichever way
-        if (!known(a) || !known(b)) return known(b) - known(a);
+        if (!there(a) || !there(b)) return there(b) - there(a);
         const way = isNumber(a) && isNumber(b) ? a - b : order.compare(String(a), String(b));
         return down ? -way : way;
       });

@@ -161,9 +161,9 @@ function candidateTrace(item, candidate, colour, first) {
   // joined to the stem: from the closing nucleotide to the other one
   const before = five.slice(-1), after = three.slice(0, 1);
   const path = [...before, ...line, ...after];
-  const mesh = new Mesh().tube(path, first ? 0.62 : 0.42,
+  const mesh = new Mesh().tube(path, first ? 0.5 : 0.34,
     (n) => nearest[Math.min(Math.max(n - before.length, 0), line.length - 1)]);
-  beads.forEach((bead, k) => mesh.bead(bead, first ? 1.05 : 0.75, texts[k]));
+  beads.forEach((bead, k) => mesh.bead(bead, first ? 0.9 : 0.65, texts[k]));
   return mesh.trace(`candidate ${candidate.rank}`, colour);
 }
 
@@ -201,11 +201,12 @@ function neighbourTraces(item, colours) {
   return traces;
 }
 
+// without the chain, which the heading has
+const short = (label) => label.replace(/^.*\./, "");
+
 function labelTrace(item, candidate, colours) {
   const at = [], texts = [];
-  const put = (p, from, text) => { at.push(add(p, unit(minus(p, from)), 2.6)); texts.push(plain(text)); };
-  // a label needs no chain: the heading has it
-  const short = (label) => label.replace(/^.*\./, "");
+  const put = (p, from, text) => { at.push(add(p, unit(minus(p, from)), 3)); texts.push(plain(text)); };
   const [five, three] = item.strands;
   const ends = [points(five.points), points(three.points)];
   if (candidate) {
@@ -247,7 +248,7 @@ function outlook(item, wide, high) {
     return [Math.min(...along), Math.max(...along)];
   });
   const centre = [right, up, towards].reduce((sum, axis, k) => add(sum, axis, 0.5 * (spans[k][0] + spans[k][1])), [0, 0, 0]);
-  const [w, h] = spans.map(([low, high]) => 0.5 * (high - low) + 4);
+  const [w, h] = spans.map(([low, high]) => 0.5 * (high - low) + 5);
   const half = Math.max(...all.map((p) => length(minus(p, centre)))) + 13;
   // how much of the cube is to be seen decides how far away the eye is
   const far = 2.6 * Math.max(h, w * high / Math.max(wide, 1)) / (2 * half);
@@ -271,7 +272,7 @@ function sceneTraces(item, state, colours) {
     const text = plain("the file's own loop");
     const ends = [item.strands[0].points.slice(-3), item.strands[1].points.slice(0, 3)].map(points);
     const path = [...ends[0], ...points(item.own.line), ...ends[1]];
-    traces.push(new Mesh().tube(path, 0.26, () => text, 10).trace("own loop", colours.native));
+    traces.push(new Mesh().tube(path, 0.3, () => text, 10).trace("own loop", colours.native));
   }
   if (item.own && state.bonds) traces.push(lines("own atoms", bonds(item.own.bonds), colours.native, 3));
   for (const candidate of shown) traces.push(candidateTrace(item, candidate, colour(candidate), candidate === item.candidates[0]));
@@ -285,10 +286,13 @@ function sceneTraces(item, state, colours) {
 
 function curvatureTraces(item, state, colours) {
   const shown = item.candidates.filter((candidate) => state.shown.has(candidate.rank)).reverse();
-  return shown.map((candidate) => ({
-    type: "scatter", mode: "lines", name: `candidate ${candidate.rank}`,
-    x: candidate.curvature.map((_, k) => candidate.curve_A * k / Math.max(candidate.curvature.length - 1, 1)), y: candidate.curvature,
+  const own = item.own && state.own ? [{
+    type: "scatter", mode: "lines", name: "own loop", x: item.own.phases, y: item.own.curvature,
+    line: { color: colours.native, width: 1.5, dash: "dash" }, hovertemplate: "the file's own loop: %{y:.3f} 1/Å<extra></extra>",
+  }] : [];
+  return own.concat(shown.map((candidate) => ({
+    type: "scatter", mode: "lines", name: `candidate ${candidate.rank}`, x: candidate.phases, y: candidate.curvature,
     line: { color: colours.ranks[(candidate.rank - 1) % colours.ranks.length], width: candidate === item.candidates[0] ? 2.5 : 1.5 },
-    hovertemplate: `candidate ${candidate.rank}: %{y:.3f} 1/Å at %{x:.1f} Å<extra></extra>`,
-  }));
+    hovertemplate: `candidate ${candidate.rank}: %{y:.3f} 1/Å<extra></extra>`,
+  })));
 }

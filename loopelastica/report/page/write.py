@@ -28,8 +28,8 @@ from loopelastica._files import PROGRAM, refuse_other, write_text
 from loopelastica._names import printable
 from loopelastica._version import __version__
 from loopelastica.errors import LoopelasticaError, MissingDependencyError
-from loopelastica.report.page.palette import NATIVE, NEIGHBOUR, PALETTE, STEM
 from loopelastica.report.page.scene import SCENE, read_scene, script_json
+from loopelastica.report.palette import NATIVE, NEIGHBOUR, PALETTE, STEM
 
 PAGE: Final = "report.html"
 """Name of the page."""
