@@ -314,7 +314,7 @@ class _Book:
         tasks: Sequence[Task],
         out: Path,
         wording: Callable[[str], str],
-        report: bool,
+        report: bool = False,
     ) -> None:
         self.work, self.out, self.wording, self.report = work, out, wording, report
         self.table = out / f"{work.name}.csv"
