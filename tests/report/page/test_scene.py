@@ -8,7 +8,6 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 import loopelastica as le
-from loopelastica._files import data_path
 from loopelastica.molecule.nucleotides import read_structure
 from loopelastica.molecule.setting import Settings
 from loopelastica.report.page.scene import fold_scene, read_scene, script_json, write_scene
@@ -123,5 +122,3 @@ def test_no_text_ends_a_script_or_a_line_of_it(text):
     assert written.isascii()
     assert "<" not in written
     assert json.loads(written) == {"name": text}
-
-
