@@ -248,7 +248,7 @@ function outlook(item, wide, high) {
     return [Math.min(...along), Math.max(...along)];
   });
   const centre = [right, up, towards].reduce((sum, axis, k) => add(sum, axis, 0.5 * (spans[k][0] + spans[k][1])), [0, 0, 0]);
-  const [w, h] = spans.map(([low, high]) => 0.5 * (high - low) + 5);
+  const [w, h] = spans.map(([low, high]) => 0.5 * (high - low) + 6.5);
   const half = Math.max(...all.map((p) => length(minus(p, centre)))) + 13;
   // how much of the cube is to be seen decides how far away the eye is
   const far = 2.6 * Math.max(h, w * high / Math.max(wide, 1)) / (2 * half);
