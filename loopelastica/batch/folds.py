@@ -37,8 +37,7 @@ def fold_file(task: Task) -> Record:
     checked = FoldOptions(**options)
     structure = read_structure(source, checked.limits)
     loops = fold_hairpins(structure, find_hairpins(structure, **checked.selection), checked)
-    folders = Folders(Path(task.out), task.number)
-    settings = Settings(structure) if report else None
+    folders, settings = Folders(Path(task.out), task.number), Settings(structure)
     rows: list[dict[str, Any]] = []
     failures: list[str] = []
     record: Record = {"rows": rows, "failures": failures}
@@ -52,7 +51,7 @@ def fold_file(task: Task) -> Record:
         folder = folders.claim(source, loop)
         try:
             record["folder_key"] = write_fold(
-                folder, source, loop, structure, plot=plot, settings=settings
+                folder, source, loop, structure, plot=plot, settings=settings, report=report
             )
         except FileExistsError as error:
             failures.append(str(error))

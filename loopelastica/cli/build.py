@@ -206,9 +206,11 @@ def _write(name: str, folded: "FoldedHairpin", folders: "Folders", options: _Opt
     atoms = atoms_of(structure, fold, folded.positions_A, options.contact, **options.written)
     # a name has no suffix, whatever dots are in it
     folder = folders.claim(Path(f"{safe_name(name, 150)}.fasta"), fold)
-    settings = Settings(structure, folded.positions_A) if options.report else None
-    text = str(folded.sequence)
-    write_fold(folder, text, fold, structure, options.plot, atoms=atoms, settings=settings)
+    settings = Settings(structure, folded.positions_A)
+    write_fold(
+        folder, str(folded.sequence), fold, structure, options.plot, atoms=atoms,
+        settings=settings, report=options.report,
+    )  # fmt: skip
     return _Built(name, atoms, folder)
 
 

@@ -277,7 +277,7 @@ def _fold_file(
     small = len(structure.universe.atoms) <= WHOLE_ATOMS
     with_whole = small if output.whole is None else output.whole
     full = WholeStructure(structure) if loops and with_whole else None
-    settings = Settings(structure) if output.report else None
+    settings = Settings(structure)
     sentences += [
         f"chain {chain} is {letter} in the PDB files that are written"
         for chain, letter in renamed(structure).items()
@@ -301,7 +301,9 @@ def _fold_file(
         except LoopelasticaError as error:
             results.failed(file, f"{file}: {error}")
         try:
-            write_fold(folder, path, loop, structure, output.plot, full, built, settings)
+            write_fold(
+                folder, path, loop, structure, output.plot, full, built, settings, output.report
+            )
         except FileExistsError as error:
             results.failed(file, str(error))
             results.shown.append((path.name, str(error), None))

@@ -23,7 +23,7 @@ from loopelastica._files import (
 from loopelastica._names import printable, safe_name, safe_stem
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb
-from loopelastica.molecule.setting import Settings
+from loopelastica.molecule.setting import Setting, Settings
 from loopelastica.report.page.scene import SCENE, fold_scene, write_scene
 from loopelastica.report.pdb import (
     WholeStructure,
@@ -34,7 +34,7 @@ from loopelastica.report.pdb import (
     renamed_records,
 )
 from loopelastica.report.plots import plot_fold
-from loopelastica.report.records import LINE_POINTS, candidate_row, line, loop_row, ranking
+from loopelastica.report.records import candidate_row, line, loop_row, ranking
 from loopelastica.report.viewers import path_from, shown_file, write_chimerax, write_pymol
 
 if TYPE_CHECKING:
@@ -91,6 +91,7 @@ def write_fold(
     whole: WholeStructure | None = None,
     atoms: "LoopAtoms | None" = None,
     settings: Settings | None = None,
+    report: bool = False,
 ) -> dict[str, Any]:
     """Write the folder of one folded loop, whole or not at all.
 
@@ -113,7 +114,10 @@ def write_fold(
     atoms : LoopAtoms, optional
         Write atoms.pdb, atoms.cif, loop.sdf and atoms.json from it.
     settings : Settings, optional
-        Write scene.js, what report.html shows of the loop, from it.
+        What the settings of a structure's loops share; without them they are made anew, which
+        takes a third of a second for a ribosome.
+    report : bool
+        Write scene.js, what report.html shows of the loop.
 
     Returns
     -------
@@ -155,11 +159,12 @@ def write_fold(
         built = None if atoms is None else atoms.options()
         content["written"] = {
             "path": seen, "plot": plot, "whole": whole is not None, "atoms": built,
-            "scene": settings is not None,
+            "report": report,
         }  # fmt: skip
         files = {MANIFEST, *(entry.name for entry in part.iterdir() if entry.name != NOTE)}
-        if settings is not None:
-            _write_scene(part / SCENE, fold, settings, atoms, content, files)
+        if report:
+            setting = (settings or Settings(structure)).of(fold.hairpin, fold.candidates[0].trace)
+            _write_scene(part / SCENE, fold, setting, atoms, content, files)
             files.add(SCENE)
         write_json(part / MANIFEST, {**content, "files": sorted(files)})
     return {name: content[name] for name in _KEY}
@@ -203,14 +208,13 @@ def _write_traces(path: Path, fold: LoopFold, structure: Structure, letter: str)
 def _write_scene(
     path: Path,
     fold: LoopFold,
-    settings: Settings,
+    setting: Setting,
     atoms: "LoopAtoms | None",
     content: Mapping[str, Any],
     files: Collection[str],
 ) -> None:
     """What report.html shows of the loop, with what the manifest says of its origin."""
     source = content["input"]
-    setting = settings.of(fold.hairpin, fold.candidates[0].line.points(LINE_POINTS))
     name = printable(source.get("file") or source["sequence"])
     provenance = {
         "version": content["version"],

@@ -16,8 +16,9 @@ HAIRPIN = data_path("hairpins/2koc.pdb")
 @pytest.fixture(scope="session")
 def make_run(koc, fold):
     """Write a folder of results: some loops, each under a name of its own."""
+    shared = Settings(koc)
 
-    def make(out, names, settings=True, atoms=None, table=True):
+    def make(out, names, scenes=True, atoms=None, table=True):
         rows = []
         for name in names:
             hairpin = dataclasses.replace(fold.hairpin, name=name)
@@ -25,7 +26,7 @@ def make_run(koc, fold):
             folder = out / f"2koc_{name}".replace("/", "_")
             write_fold(
                 folder, HAIRPIN, loop, koc, plot=False, atoms=atoms,
-                settings=Settings(koc) if settings else None,
+                settings=shared, report=scenes,
             )  # fmt: skip
             rows += [{**row, "folder": folder.name} for row in loop_rows(f"in/{name}.pdb", loop)]
         if table:

@@ -94,7 +94,7 @@ def test_the_folder_of_one_loop_can_have_a_page_too(tmp_path, make_run):
 
 
 def test_a_loop_that_was_written_without_a_scene_keeps_its_row(tmp_path, make_run, fold):
-    out = make_run(tmp_path / "out", ["A1"], settings=False)
+    out = make_run(tmp_path / "out", ["A1"], scenes=False)
     (row,) = content(write_report(out))["rows"]
     assert row["place"] is None
     assert row["rmsd_A"] == pytest.approx(fold.candidates[0].rmsd_A)
