@@ -47,6 +47,7 @@ _PUBLIC = {
     "FilledStrand": "filling.result",
     "restraints": "simulation",
     "to_dataframe": "report.dataframe",
+    "write_report": "report.page.write",
     "LoopelasticaError": "errors",
     "StructureError": "errors",
     "MissingDependencyError": "errors",
@@ -78,6 +79,7 @@ if TYPE_CHECKING:
     from loopelastica.molecule.hairpins import Hairpins as Hairpins
     from loopelastica.molecule.hairpins import find_hairpins as find_hairpins
     from loopelastica.report.dataframe import to_dataframe as to_dataframe
+    from loopelastica.report.page.write import write_report as write_report
     from loopelastica.rod.barriers import Barrier as Barrier
     from loopelastica.rod.barriers import Barriers as Barriers
     from loopelastica.rod.barriers import barriers as barriers

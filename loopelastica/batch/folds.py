@@ -10,6 +10,7 @@ from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
+from loopelastica.molecule.setting import Settings
 from loopelastica.report.folder import Folders, is_there, write_fold
 from loopelastica.report.records import ATOMS_COLUMNS, candidate_row
 
@@ -27,15 +28,16 @@ COLUMNS = (*_LOOP, *_CLAMP, "stem_rms_A", *_SHAPE, *ATOMS_COLUMNS, "folder")
 def fold_file(task: Task) -> Record:
     """Fold all loops of a file and write their folders; a row per candidate.
 
-    ``task.options`` holds the options of :func:`loopelastica.fold`, and ``plot``.
+    ``task.options`` holds the options of :func:`loopelastica.fold`, ``plot``, and ``report`` where
+    what report.html shows is to be written too.
     """
     source = Path(task.source)
     options = dict(task.options)
-    plot = options.pop("plot")
+    plot, report = options.pop("plot"), options.pop("report", False)
     checked = FoldOptions(**options)
     structure = read_structure(source, checked.limits)
     loops = fold_hairpins(structure, find_hairpins(structure, **checked.selection), checked)
-    folders = Folders(Path(task.out), task.number)
+    folders, settings = Folders(Path(task.out), task.number), Settings(structure)
     rows: list[dict[str, Any]] = []
     failures: list[str] = []
     record: Record = {"rows": rows, "failures": failures}
@@ -48,7 +50,9 @@ def fold_file(task: Task) -> Record:
             continue
         folder = folders.claim(source, loop)
         try:
-            record["folder_key"] = write_fold(folder, source, loop, structure, plot=plot)
+            record["folder_key"] = write_fold(
+                folder, source, loop, structure, plot=plot, settings=settings, report=report
+            )
         except FileExistsError as error:
             failures.append(str(error))
             record["refused"] = True

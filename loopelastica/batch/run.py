@@ -18,6 +18,7 @@ from loopelastica.batch.lock import alone_in
 from loopelastica.batch.workers import check_workers, outcomes
 from loopelastica.errors import LoopelasticaError
 from loopelastica.molecule.folders import structure_files
+from loopelastica.report.page.write import renew_report
 
 Row = Mapping[str, Any]
 FAILURE_COLUMNS = ("file", "failure")
@@ -137,6 +138,8 @@ class Run:
         One sentence for each file or loop that failed.
     notes : tuple of str
         One sentence for each thing about the run that a user should be aware of.
+    page : Path or None
+        Its report.html.
     """
 
     table: Path
@@ -147,6 +150,7 @@ class Run:
     n_rows: int
     failures: tuple[str, ...]
     notes: tuple[str, ...]
+    page: Path | None = None
 
     @property
     def so_far(self) -> str:
@@ -248,6 +252,7 @@ def run(
     scheduler: str | None = None,
     progress: bool = False,
     wording: Callable[[str], str] = str,
+    report: bool = False,
 ) -> Run:
     """Do the work on every file that is not in the journal in `out` yet.
 
@@ -268,6 +273,9 @@ def run(
         Show a bar.
     wording : callable
         Sentence → sentence, for those of failures: how options are called where the user sees them.
+    report : bool
+        End with report.html, however the run ends; the options of the tasks say whether folders
+        get what it shows.
 
     Returns
     -------
@@ -287,7 +295,7 @@ def run(
     """
     jobs = check_workers(jobs, scheduler)
     with alone_in(out):
-        book = _Book(work, tasks, out, wording)
+        book = _Book(work, tasks, out, wording, report)
         try:
             book.work_off(jobs, scheduler, progress)
         except KeyboardInterrupt:
@@ -301,9 +309,14 @@ class _Book:
     """Journal and tables of a run under way."""
 
     def __init__(
-        self, work: Work, tasks: Sequence[Task], out: Path, wording: Callable[[str], str]
+        self,
+        work: Work,
+        tasks: Sequence[Task],
+        out: Path,
+        wording: Callable[[str], str],
+        report: bool = False,
     ) -> None:
-        self.work, self.out, self.wording = work, out, wording
+        self.work, self.out, self.wording, self.report = work, out, wording, report
         self.table = out / f"{work.name}.csv"
         self.failures = out / "failures.csv"
         check_tables(out, work.name)
@@ -406,6 +419,7 @@ class _Book:
             n_rows,
             tuple(f["failure"] for f in failures),
             tuple(notes),
+            renew_report(self.out, self.report),
         )
 
 

@@ -59,6 +59,7 @@ def build(
     names: o.Names = "pdb",
     separate: o.Separate = False,
     plot: o.Plot = True,
+    report: o.Report = None,
 ) -> None:
     """Build hairpins from their sequences alone: ideal stem, folded loop, atoms.
 
@@ -73,7 +74,8 @@ def build(
         check_contact(contact)
         check_names("names", names)
     written = {"hydrogens": hydrogens, "names": names, "separate": separate}
-    options = _Options(rna, candidates, phosphate, mismatches, plot, contact, written)
+    page = o.has_report(report)
+    options = _Options(rna, candidates, phosphate, mismatches, plot, page, contact, written)
     if _is_path(sequence):
         o.refuse((structure is not None, "STRUCTURE goes without a FASTA file"))
         _build_all(Path(sequence), out, options)
@@ -90,6 +92,7 @@ class _Options:
     phosphate: bool
     mismatches: bool
     plot: bool
+    report: bool
     contact: str | None
     written: dict[str, Any]
 
@@ -119,11 +122,13 @@ def _is_path(text: str) -> bool:
 def _build_one(hairpin: "HairpinSequence", out: Path, options: _Options) -> None:
     from loopelastica._files import make_folder
     from loopelastica.report.folder import Folders
+    from loopelastica.report.page.write import renew_report
 
     folded = _folded(hairpin, options)
     make_folder(out)
     built = _write(hairpin.letters, folded, Folders(out), options)
     _show([built], [])
+    o.tell_report(renew_report(out, options.report))
     o.note([*folded.structure.remarks, *built.atoms.remarks])
     o.fail([built.failure] if built.failure else [])
 
@@ -140,6 +145,7 @@ def _build_all(path: Path, out: Path, options: _Options) -> None:
     from loopelastica.batch.workers import attempt
     from loopelastica.molecule.fasta import Entry, read_fasta
     from loopelastica.report.folder import Folders
+    from loopelastica.report.page.write import renew_report
 
     entries, folders = read_fasta(path), Folders(out)
     done: list[_Built] = []
@@ -170,7 +176,9 @@ def _build_all(path: Path, out: Path, options: _Options) -> None:
             # what is done has its rows, however the run ends
             write_csv(out / "summary.csv", rows, COLUMNS)
             write_csv(out / "failures.csv", failures, FAILURE_COLUMNS)
+            page = renew_report(out, options.report)
     _show(done, [failure["file"] for failure in failures])
+    o.tell_report(page)
     o.note(
         [
             f"{built.name}: {remark}"
@@ -191,13 +199,18 @@ def _write(name: str, folded: "FoldedHairpin", folders: "Folders", options: _Opt
     """Build the atoms and write the folder of one hairpin."""
     from loopelastica._names import safe_name
     from loopelastica.cli.atoms import atoms_of
+    from loopelastica.molecule.setting import Settings
     from loopelastica.report.folder import write_fold
 
     structure, fold = folded.structure, folded.fold
     atoms = atoms_of(structure, fold, folded.positions_A, options.contact, **options.written)
     # a name has no suffix, whatever dots are in it
     folder = folders.claim(Path(f"{safe_name(name, 150)}.fasta"), fold)
-    write_fold(folder, str(folded.sequence), fold, structure, options.plot, atoms=atoms)
+    settings = Settings(structure, folded.positions_A)
+    write_fold(
+        folder, str(folded.sequence), fold, structure, options.plot, atoms=atoms,
+        settings=settings, report=options.report,
+    )  # fmt: skip
     return _Built(name, atoms, folder)
 
 

@@ -70,6 +70,7 @@ def fill(
     library: _Library = None,
     max_size: o.MaxSize = None,
     max_atoms: o.MaxAtoms = None,
+    report: o.Report = None,
     jobs: o.Jobs = None,
     scheduler: o.Scheduler = None,
 ) -> None:
@@ -104,11 +105,12 @@ def fill(
         check_strands(options.like, (), options.limits)
     if options.library is not None:
         library_at(options.library)
+    page = o.has_report(report)
     with o.usage():
         beside = (file_of(options.like), options.library)
-        tasks = tasks_of(files, options.to_dict(), out, beside)
+        tasks = tasks_of(files, {**options.to_dict(), "report": page}, out, beside)
         progress = len(files) > 1
-        done = run(FILLS, tasks, out, jobs or 1, scheduler, progress, wording=in_options)
+        done = run(FILLS, tasks, out, jobs or 1, scheduler, progress, in_options, page)
     if done.n_files > 1 or done.n_resumed:
         tell(
             f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} strands in"
@@ -117,6 +119,7 @@ def fill(
     rows = list(done.rows)
     if rows:
         console().print(fill_table(rows, Path(out)))
+    o.tell_report(done.page)
     # what a model is not good for stands before what was chosen in reading
     told = sorted(done.notes, key=lambda sentence: "not sound" not in sentence)
     o.note(o.screenful([*notes, *told], "in the files' fill.json"))

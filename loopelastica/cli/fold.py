@@ -46,6 +46,7 @@ def fold(
     max_size: o.MaxSize = None,
     max_atoms: o.MaxAtoms = None,
     plot: o.Plot = True,
+    report: o.Report = None,
     whole: o.Whole = None,
     jobs: o.Jobs = None,
     scheduler: o.Scheduler = None,
@@ -116,8 +117,9 @@ def fold(
         from loopelastica.folding.known import library_at
 
         library_at(options.library)
+    page = o.has_report(report)
     if many:
-        _fold_many(files, out, options, plot, jobs or 1, scheduler)
+        _fold_many(files, out, options, {"plot": plot, "report": page}, jobs or 1, scheduler)
     else:
         written = {
             "hydrogens": hydrogens,
@@ -125,14 +127,16 @@ def fold(
             "no_5_phosphate": no_5_phosphate,
             "separate": separate,
         }
-        _fold_each(files, out, options, _Output(plot, whole, contact, written if atoms else None))
+        _fold_each(
+            files, out, options, _Output(plot, page, whole, contact, written if atoms else None)
+        )
 
 
 def _fold_many(
     files: list[str],
     out: Path,
     options: "FoldOptions",
-    plot: bool,
+    written: dict[str, bool],
     jobs: int,
     scheduler: str | None,
 ) -> None:
@@ -143,12 +147,13 @@ def _fold_many(
     files, notes = distinct(files)
     with o.usage():
         beside = (file_of(options.like), options.library)
-        tasks = tasks_of(files, {**options.to_dict(), "plot": plot}, out, beside)
-        done = run(FOLDS, tasks, out, jobs, scheduler, progress=True, wording=in_options)
+        tasks = tasks_of(files, {**options.to_dict(), **written}, out, beside)
+        done = run(FOLDS, tasks, out, jobs, scheduler, True, in_options, written["report"])
     tell(
         f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} candidates in"
         f" {done.table}"
     )
+    o.tell_report(done.page)
     o.note([*notes, *done.notes, *_of_earlier_runs(out, done.rows)])
     o.fail_of_many(done.failures, out)
 
@@ -169,6 +174,7 @@ class _Output:
     """What is written of each loop beside the tables."""
 
     plot: bool
+    report: bool
     whole: bool | None
     contact: str | None
     # None: no atoms
@@ -190,14 +196,16 @@ class _Results:
         """Keep what has failed, with options as they are called on the command line."""
         self.failures.append({"file": file, "failure": in_options(sentence)})
 
-    def write(self, out: Path) -> None:
-        """Write the tables, as a run over many files does."""
+    def write(self, out: Path, report: bool) -> Path | None:
+        """Write the tables, as a run over many files does, and the page if there is to be one."""
         from loopelastica._files import write_csv
         from loopelastica.batch.folds import COLUMNS
         from loopelastica.batch.run import FAILURE_COLUMNS
+        from loopelastica.report.page.write import renew_report
 
         write_csv(out / "summary.csv", self.rows, COLUMNS)
         write_csv(out / "failures.csv", self.failures, FAILURE_COLUMNS)
+        return renew_report(out, report)
 
 
 def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Output) -> None:
@@ -226,7 +234,7 @@ def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Out
                     results.shown.append((Path(file).name, outcome.failure, None))
                 results.n_done += 1
         except KeyboardInterrupt:
-            results.write(out)
+            results.write(out, output.report)
             raise KeyboardInterrupt(
                 f"{results.n_done} of {len(files)} files are done; the same command folds all of"
                 " them again, with --jobs 1 it goes on where it was stopped"
@@ -234,13 +242,14 @@ def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Out
         except OutputError:
             # the disk is full: the folders that are there keep their rows, if those still fit
             with suppress(OutputError):
-                results.write(out)
+                results.write(out, output.report)
             raise
-        results.write(out)
+        page = results.write(out, output.report)
         results.notes += _of_earlier_runs(out, results.rows)
     console().print(fold_table(results.shown))
     if results.built:
         console().print(atoms_table(results.built))
+    o.tell_report(page)
     o.note(results.notes)
     o.fail([failure["failure"] for failure in results.failures])
 
@@ -254,6 +263,7 @@ def _fold_file(
     from loopelastica.folding.fold import fold_hairpins
     from loopelastica.molecule.hairpins import find_hairpins
     from loopelastica.molecule.nucleotides import read_structure
+    from loopelastica.molecule.setting import Settings
     from loopelastica.report.folder import write_fold
     from loopelastica.report.listing import remarks
     from loopelastica.report.pdb import WHOLE_ATOMS, WholeStructure, renamed
@@ -267,6 +277,7 @@ def _fold_file(
     small = len(structure.universe.atoms) <= WHOLE_ATOMS
     with_whole = small if output.whole is None else output.whole
     full = WholeStructure(structure) if loops and with_whole else None
+    settings = Settings(structure)
     sentences += [
         f"chain {chain} is {letter} in the PDB files that are written"
         for chain, letter in renamed(structure).items()
@@ -290,7 +301,9 @@ def _fold_file(
         except LoopelasticaError as error:
             results.failed(file, f"{file}: {error}")
         try:
-            write_fold(folder, path, loop, structure, output.plot, full, built)
+            write_fold(
+                folder, path, loop, structure, output.plot, full, built, settings, output.report
+            )
         except FileExistsError as error:
             results.failed(file, str(error))
             results.shown.append((path.name, str(error), None))

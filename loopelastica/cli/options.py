@@ -125,6 +125,15 @@ AllModels = Annotated[
     bool, typer.Option("--all-models/--first-model", help="Fold every model of the file.")
 ]
 Plot = Annotated[bool, typer.Option(help="Draw plot.png.")]
+Report = Annotated[
+    bool | None,
+    typer.Option(
+        "--report/--no-report",
+        help="Make report.html, every loop in 3D with the tables of the run; by default where"
+        " plotly is installed (extra `report`).",
+        show_default=False,
+    ),
+]
 Whole = Annotated[
     bool | None,
     typer.Option(
@@ -178,6 +187,21 @@ def limits(max_size: float | None, max_atoms: int | None) -> dict[str, Any]:
     """The limits of a file that are given, by the names of Python's options."""
     named = {"max_size_MB": max_size, "max_atoms": max_atoms}
     return {name: value for name, value in named.items() if value is not None}
+
+
+def has_report(requested: bool | None) -> bool:
+    """Whether a run ends with a page: as requested, by default where plotly is installed."""
+    from loopelastica.report.page.write import check_available, is_available
+
+    if requested:
+        check_available()
+    return is_available() if requested is None else requested
+
+
+def tell_report(page: Path | None) -> None:
+    """Print where the page of a run is, if there is one."""
+    if page is not None:
+        tell(f"report: {page}")
 
 
 @contextmanager

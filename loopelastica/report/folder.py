@@ -23,6 +23,8 @@ from loopelastica._files import (
 from loopelastica._names import printable, safe_name, safe_stem
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb
+from loopelastica.molecule.setting import Setting, Settings
+from loopelastica.report.page.scene import SCENE, fold_scene, write_scene
 from loopelastica.report.pdb import (
     WholeStructure,
     bond_records,
@@ -88,6 +90,8 @@ def write_fold(
     plot: bool = True,
     whole: WholeStructure | None = None,
     atoms: "LoopAtoms | None" = None,
+    settings: Settings | None = None,
+    report: bool = False,
 ) -> dict[str, Any]:
     """Write the folder of one folded loop, whole or not at all.
 
@@ -109,6 +113,11 @@ def write_fold(
         Write whole.pdb from it.
     atoms : LoopAtoms, optional
         Write atoms.pdb, atoms.cif, loop.sdf and atoms.json from it.
+    settings : Settings, optional
+        What the settings of a structure's loops share; without them they are made anew, which
+        takes a third of a second for a ribosome.
+    report : bool
+        Write scene.js, what report.html shows of the loop.
 
     Returns
     -------
@@ -149,9 +158,14 @@ def write_fold(
         content = ranking(source, fold, structure.remarks)
         built = None if atoms is None else atoms.options()
         content["written"] = {
-            "path": seen, "plot": plot, "whole": whole is not None, "atoms": built
+            "path": seen, "plot": plot, "whole": whole is not None, "atoms": built,
+            "report": report,
         }  # fmt: skip
         files = {MANIFEST, *(entry.name for entry in part.iterdir() if entry.name != NOTE)}
+        if report:
+            setting = (settings or Settings(structure)).of(fold.hairpin, fold.candidates[0].trace)
+            _write_scene(part / SCENE, fold, setting, atoms, content, files)
+            files.add(SCENE)
         write_json(part / MANIFEST, {**content, "files": sorted(files)})
     return {name: content[name] for name in _KEY}
 
@@ -189,6 +203,26 @@ def _write_traces(path: Path, fold: LoopFold, structure: Structure, letter: str)
         lines += point_records(fold, structure, candidate, letter, 1)
         lines.append("ENDMDL")
     write_text(path, "\n".join([*lines, *bond_records(1, len(fold.hairpin)), "END", ""]))
+
+
+def _write_scene(
+    path: Path,
+    fold: LoopFold,
+    setting: Setting,
+    atoms: "LoopAtoms | None",
+    content: Mapping[str, Any],
+    files: Collection[str],
+) -> None:
+    """What report.html shows of the loop, with what the manifest says of its origin."""
+    source = content["input"]
+    name = printable(source.get("file") or source["sequence"])
+    provenance = {
+        "version": content["version"],
+        "sha256": source.get("sha256"),
+        "parameters": content["parameters"],
+        "files": sorted(files),
+    }
+    write_scene(path, [fold_scene(fold, setting, name, atoms, content["remarks"])], provenance)
 
 
 def other_folds(out: Path, names: Collection[str]) -> list[str]:
