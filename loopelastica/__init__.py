@@ -30,6 +30,7 @@ _PUBLIC = {
     "Hairpin": "molecule.hairpins",
     "Hairpins": "molecule.hairpins",
     "fold": "folding.fold",
+    "Folds": "folding.result",
     "LoopFold": "folding.result",
     "scan": "folding.scan",
     "LoopScan": "folding.scan",
@@ -70,6 +71,7 @@ if TYPE_CHECKING:
     from loopelastica.folding.library import Library as Library
     from loopelastica.folding.library_file import load_library as load_library
     from loopelastica.folding.rank import Candidate as Candidate
+    from loopelastica.folding.result import Folds as Folds
     from loopelastica.folding.result import LoopFold as LoopFold
     from loopelastica.folding.scan import LoopScan as LoopScan
     from loopelastica.folding.scan import scan as scan

@@ -18,6 +18,7 @@ from loopelastica._checks import (
     between,
     file_name,
     flag,
+    known_keywords,
     numbers,
     one_of,
     optional,
@@ -208,7 +209,15 @@ def keywords(
     """
 
     def decorator(function: Callable[[Any, _O], _R]) -> Callable[Concatenate[Any, _P], _R]:
+        names = [*inspect.signature(options).parameters]
+
         def taking(structure: Any, /, *args: _P.args, **kwargs: _P.kwargs) -> _R:
+            if args:
+                raise TypeError(
+                    f"{function.__name__} takes one argument without a name, the structure; options"
+                    " have names"
+                )
+            known_keywords(function.__name__, kwargs, names)
             return function(structure, options(*args, **kwargs))
 
         update_wrapper(taking, function)

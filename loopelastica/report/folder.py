@@ -82,7 +82,7 @@ class Folders:
 
 def write_fold(
     path: Path,
-    source: Path | str,
+    source: Path | str | Mapping[str, Any],
     fold: LoopFold,
     structure: Structure,
     plot: bool = True,
@@ -97,8 +97,9 @@ def write_fold(
     ----------
     path : Path
         The folder.
-    source : Path or str
-        The file that was folded, or the sequence the hairpin was built from.
+    source : Path, str or mapping
+        The file that was folded, the sequence the hairpin was built from, or what is recorded of
+        anything else.
     fold : LoopFold
         What came out, with at least one candidate.
     structure : Structure
@@ -142,7 +143,7 @@ def write_fold(
         if atoms is not None:
             from loopelastica.report.atoms import write_atoms
 
-            write_atoms(part, atoms, source)
+            write_atoms(part, atoms, _named(source))
         if plot:
             sticks = None if atoms is None else atoms.sticks(1)
             plot_fold(fold, part / "plot.png", title=printable(path.name), sticks=sticks)
@@ -154,6 +155,14 @@ def write_fold(
         files = {MANIFEST, *(entry.name for entry in part.iterdir() if entry.name != NOTE)}
         write_json(part / MANIFEST, {**content, "files": sorted(files)})
     return {name: content[name] for name in _KEY}
+
+
+def _named(source: Path | str | Mapping[str, Any]) -> Path | str | None:
+    """The file or the sequence; None for anything else, such as a Universe."""
+    if isinstance(source, Mapping):
+        sequence = source.get("sequence")
+        return None if sequence is None else str(sequence)
+    return source
 
 
 def is_there(path: Path, key: Mapping[str, Any]) -> bool:

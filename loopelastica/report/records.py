@@ -1,7 +1,7 @@
 """What is recorded of a folded loop: rows of tables, the content of JSON files, its dense line."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -80,13 +80,16 @@ def loop_row(fold: LoopFold) -> dict[str, Any]:
     }
 
 
-def ranking(source: Path | str, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[str, Any]:
+def ranking(
+    source: Path | str | Mapping[str, Any], fold: LoopFold, remarks: Sequence[str] = ()
+) -> dict[str, Any]:
     """The content of ranking.json: all that is needed to repeat and to judge the result.
 
     Parameters
     ----------
-    source : Path or str
-        The file that was folded, or the sequence the hairpin was built from.
+    source : Path, str or mapping
+        The file that was folded, the sequence the hairpin was built from, or what is recorded of
+        anything else.
     fold : LoopFold
         What came out.
     remarks : sequence of str
@@ -109,9 +112,7 @@ def ranking(source: Path | str, fold: LoopFold, remarks: Sequence[str] = ()) -> 
     return {
         **program(),
         "libraries": {name: version(name) for name in ("numpy", "scipy", "numba", "MDAnalysis")},
-        "input": {"file": source.name, "sha256": sha256(source)}
-        if isinstance(source, Path)
-        else {"sequence": source},
+        "input": _input(source),
         "hairpin": {
             **about(fold.hairpin),
             "stem_pairs": fold.hairpin.n_pairs,
@@ -149,6 +150,12 @@ def ranking(source: Path | str, fold: LoopFold, remarks: Sequence[str] = ()) -> 
             for c in fold.candidates
         ],
     }
+
+
+def _input(source: Path | str | Mapping[str, Any]) -> dict[str, Any]:
+    if isinstance(source, Path):
+        return {"file": source.name, "sha256": sha256(source)}
+    return {"sequence": source} if isinstance(source, str) else dict(source)
 
 
 def program() -> dict[str, str]:
