@@ -8,14 +8,14 @@ motion of the input moves the atoms by the same motion and by nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import array, optional, positive, shown, whole
+from loopelastica._checks import array, keywords_known, optional, positive, shown, whole
 from loopelastica.atoms.carry import curve_on
 from loopelastica.atoms.checks import Checks
 from loopelastica.atoms.chemistry import LoopMolecule
@@ -69,12 +69,25 @@ class AtomModel(Record):
     rmsd_A: float | None
     carried: bool = False
 
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Give its row, for :func:`loopelastica.to_dataframe`.
+
+        Yields
+        ------
+        dict
+            ``rank``, ``sound``, and what was measured on its atoms.
+        """
+        from loopelastica.report.atoms import model_row
+
+        yield model_row(self)
+
     def __repr__(self) -> str:
         sound = "sound" if self.checks.sound else "not sound"
         rmsd = "" if self.rmsd_A is None else f", RMSD {self.rmsd_A:.2f} Å"
         return f"<AtomModel {self.rank}: {len(self.positions_A)} atoms, {sound}{rmsd}>"
 
 
+@keywords_known
 def build_atoms(
     structure: Any,
     fold: LoopFold,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import whole
+from loopelastica._html import html_table
 from loopelastica.folding.line import StrandLine
 from loopelastica.folding.shape_line import ShapeLine
 from loopelastica.molecule.nucleotides import enumerated
@@ -386,9 +386,6 @@ class Filling(Record):
 
     def _repr_html_(self) -> str:
         """A table of the strands, for notebooks."""
-        head = "".join(f"<th>{h}</th>" for h in ("strand", "sequence", "what became of it"))
-        rows = ((s.name, s.sequence, s.outcome) for s in self.strands)
-        body = "".join(
-            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows
-        )
-        return f"<table><caption>{escape(self.name)}</caption><tr>{head}</tr>{body}</table>"
+        head = ("strand", "sequence", "shape", "what became of it")
+        rows = ((s.name, s.sequence, s.shape, s.outcome) for s in self.strands)
+        return html_table(self.name, head, rows)

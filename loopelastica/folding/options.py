@@ -209,7 +209,7 @@ def keywords(
     """
 
     def decorator(function: Callable[[Any, _O], _R]) -> Callable[Concatenate[Any, _P], _R]:
-        names = [*inspect.signature(options).parameters]
+        names = option_names(options)
 
         def taking(structure: Any, /, *args: _P.args, **kwargs: _P.kwargs) -> _R:
             if args:
@@ -225,6 +225,11 @@ def keywords(
         return taking
 
     return decorator
+
+
+def option_names(options: Any, without: Collection[str] = ()) -> list[str]:
+    """Names of the fields of a class of options, but for those that are left out."""
+    return [name for name in inspect.signature(options).parameters if name not in without]
 
 
 def show_options(function: Any, options: Any, without: Collection[str] = ()) -> None:

@@ -328,8 +328,11 @@ class Folds(list[LoopFold]):
     >>> import loopelastica as le
     >>> from loopelastica._files import data_path
     >>> folds = le.fold(data_path("hairpins/2koc.pdb"), all_models=False, shapes="rod")
-    >>> folds.to_dataframe()[["loop", "rank", "rmsd_A"]].round(2).iloc[0].tolist()
-    ['A6-9', 1, 2.12]
+    >>> print(folds.to_dataframe()[["loop", "rank", "rmsd_A"]].round(2).to_string(index=False))
+    loop  rank  rmsd_A
+    A6-9     1    2.12
+    A6-9     2    5.99
+    A6-9     3    6.79
     """
 
     __slots__ = ("remarks",)

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import optional, whole
+from loopelastica._checks import keywords_known, optional, whole
+from loopelastica._html import html_table
 from loopelastica.errors import StructureError
 from loopelastica.molecule._loops import closing_pairs, named_loop, pairs_of, stem_length
 from loopelastica.molecule.nucleotides import (
@@ -134,7 +135,23 @@ class Hairpins(list[Hairpin]):
         self.dot_bracket = dot_bracket
         self.remarks = tuple(remarks)
 
+    def _repr_html_(self) -> str:
+        """A table of them, for notebooks."""
+        names = ("loop", "closing pair", "sequence", "kind", "nt", "stem pairs", "pairs with")
+        rows = [
+            (
+                *(one.name, one.label, one.sequence, one.kind, len(one), one.n_pairs),
+                ", ".join("–".join(pair) for pair in one.contacts),
+            )
+            for one in self
+        ]
+        return html_table(f"hairpin loops: {len(self)}", names, rows)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Hairpins, ([*self], self.dot_bracket, self.remarks)
+
+
+@keywords_known
 def find_hairpins(
     structure: Any,
     *,

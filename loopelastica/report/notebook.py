@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from itertools import pairwise
 from typing import Any
 
 from loopelastica.errors import MissingDependencyError
@@ -46,7 +47,7 @@ def view_fold(fold: LoopFold, setting: Setting | None = None) -> Any:
     for candidate in fold.candidates:
         colour, radius = (_FIRST, 0.5) if candidate.rank == 1 else (_OTHERS, 0.2)
         points = candidate.line.points(LINE_POINTS).tolist()
-        for start, end in zip(points[:-1], points[1:], strict=True):
+        for start, end in pairwise(points):
             widget.shape.add_cylinder(start, end, colour, radius)
     widget.center()
     return widget

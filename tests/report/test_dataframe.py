@@ -42,7 +42,8 @@ def test_its_columns_are_those_of_the_file(folds, tmp_path):
     with (tmp_path / "a" / "ranking.csv").open() as file:
         rows = list(csv.DictReader(file))
     table = le.to_dataframe(folds[:1])
-    assert [*rows[0], "failure"] == list(table.columns)
+    assert ["file", *rows[0], "failure"] == list(table.columns)
+    assert set(table["file"]) == {str(HAIRPIN)}
     assert [float(row["energy_per_A"]) for row in rows] == table["energy_per_A"].tolist()
 
 
