@@ -64,6 +64,13 @@ class HairpinModel(AtomModel):
         The loop's atoms on all lines that were asked for, ranked.
     hydrogens : bool
         Whether the whole of it has hydrogens.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> model = le.build("GGC(GAA)GCC", rna=False, candidates=2)
+    >>> model.sequence, len(model.candidates), model.universe().atoms.n_residues
+    ('GGC(GAA)GCC', 2, 9)
     """
 
     hairpin: FoldedHairpin

@@ -56,6 +56,15 @@ class AtomModel(Record):
         where the file has none.
     carried : bool
         Whether sugars and bases began where those of a template were carried to, not on the line.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> (loop,) = le.fold(data_path("hairpins/2koc.pdb"), all_models=False, shapes="rod")
+    >>> (model,) = loop.atoms(max_candidates=1)
+    >>> model.checks.sound, model.positions_A.shape, round(model.rmsd_A, 2)
+    (True, (95, 3), 2.41)
     """
 
     rank: int

@@ -102,6 +102,19 @@ class FilledStrand(Record):
         How many are missing.
     mate_A : float or None
         How near what was built comes to a mate in the crystal, where that is under 3 Å.
+
+    Examples
+    --------
+    >>> import MDAnalysis as mda
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> from loopelastica.molecule.reading import quiet
+    >>> with quiet():
+    ...     universe = mda.Universe(data_path("hairpins/2koc.pdb"))
+    ...     filling = le.fill(universe, strands="A.7")
+    >>> (strand,) = filling.strands
+    >>> strand.name, strand.sequence, strand.status, strand.sound, strand.candidates[0].trace.shape
+    ('A.7', 'U', 'filled', True, (1, 3))
     """
 
     chain: str
@@ -281,6 +294,18 @@ class Filling(Record):
         One sentence for each thing that is broken and could not be mended.
     sha256 : str or None
         Digest of the input file when it was read; None where there was none.
+
+    Examples
+    --------
+    >>> import MDAnalysis as mda
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> from loopelastica.molecule.reading import quiet
+    >>> with quiet():
+    ...     universe = mda.Universe(data_path("hairpins/2koc.pdb"))
+    ...     filling = le.fill(universe, strands="A.7")
+    >>> filling.text().count("HETATM"), [strand.name for strand in filling.filled]
+    (0, ['A.7'])
     """
 
     name: str

@@ -45,6 +45,14 @@ class Library:
     ----------
     counts : dict
         Number of shapes by `Kind`, RNA before DNA and short before long.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> library = le.load_library(data_path("loops.lib"))
+    >>> len(library), len(library.of_length(4, is_dna=False))
+    (570, 255)
     """
 
     def __init__(self, counts: Mapping[Kind, int], table: Callable[[Kind], ShapeTable]) -> None:

@@ -78,6 +78,14 @@ class LoopScan(Record):
         One sentence, or None.
     file : str or None
         The path as it was given; None of a Universe.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> (loop,) = le.scan(data_path("hairpins/2koc.pdb"), extend_5_max=0, extend_3_max=1)
+    >>> sum(one.is_rule for one in loop.candidates), loop.expected_rmsd_A
+    (3, (1.9, 3.6))
     """
 
     hairpin: Hairpin

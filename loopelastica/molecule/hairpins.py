@@ -75,6 +75,13 @@ class Hairpin(Record):
         Their insertion codes or "".
     stem_5, stem_3 : (n_pairs,) array of int
         The two strands of the stem outwards from the closing pair; `stem_5[k]` pairs `stem_3[k]`.
+
+    Examples
+    --------
+    >>> from loopelastica._files import data_path
+    >>> (hairpin,) = find_hairpins(data_path("hairpins/2koc.pdb"))
+    >>> hairpin.name, hairpin.label, hairpin.sequence, len(hairpin), hairpin.kind
+    ('A6-9', 'A.C5–A.G10', 'CUUCGG', 4, 'RNA')
     """
 
     chain: str
@@ -124,6 +131,13 @@ class Hairpins(list[Hairpin]):
         Secondary structure, a character per nucleotide of the structure.
     remarks : tuple of str
         One sentence for each loop that was left out, was named, or pairs with another one.
+
+    Examples
+    --------
+    >>> from loopelastica._files import data_path
+    >>> hairpins = find_hairpins(data_path("hairpins/2koc.pdb"))
+    >>> len(hairpins), hairpins.dot_bracket, hairpins.remarks
+    (1, '(((((....)))))', ())
     """
 
     __slots__ = ("dot_bracket", "remarks")

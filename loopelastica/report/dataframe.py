@@ -23,6 +23,7 @@ def to_dataframe(results: Any) -> DataFrame:
     Parameters
     ----------
     results : LoopFold, LoopScan, Filling, Hairpin, AtomModel, LoopElastica or iterable of these
+        Or Equilibria, Barriers.
         One of these or several of one kind, of one structure or of many: what :func:`fold`,
         :func:`scan`, :func:`fill`, :func:`find_hairpins`, :func:`build_atoms` and :func:`build`
         give, or an analysis of a trajectory that ran.
@@ -39,6 +40,7 @@ def to_dataframe(results: Any) -> DataFrame:
         - Of hairpins a row each: closing pair, sequence, kind, stem, what the loop pairs with.
         - Of models a row each: whether its atoms are sound, what is wrong, what was measured on
           them. Of a hairpin that was built all its candidates.
+        - Of equilibria and of barriers a row each.
         - Of an analysis a row per frame, loop and candidate.
 
     Raises

@@ -59,6 +59,14 @@ class Barrier(Record):
         All saddles of the way in their order; between two of them it goes through a minimum.
     message : str
         Why there is no pass; empty if there is one.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> q = le.Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2])
+    >>> barrier = le.barriers(le.equilibria(q, energy_max=50)).between(1, 2)
+    >>> print(barrier.minima, round(barrier.energy, 3), barrier.saddle.index)
+    (1, 2) 40.211 1
     """
 
     minima: tuple[int, int]
@@ -78,6 +86,14 @@ class Barriers(list[Barrier]):
         Equilibria that the list did not have and the search came across, lowest energy first.
     out_of_time : bool
         Whether a time limit ended the search.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> q = le.Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2])
+    >>> passes = le.barriers(le.equilibria(q, energy_max=50))
+    >>> len(passes), [barrier.minima for barrier in passes if barrier.saddle is not None]
+    (3, [(1, 2)])
     """
 
     def __init__(

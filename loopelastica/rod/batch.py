@@ -65,6 +65,14 @@ class Batch(Record):
         boundary layers besides, which ``batch[i]`` has.
     records : dict
         The nodes or boundary layers of those rows.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import loopelastica as le
+    >>> batch = le.solve_batch([[0, 0, 0.9], [0, 0, 0.8]], [np.eye(3), np.eye(3)])
+    >>> len(batch), batch.loads.shape, [round(rod.energy, 3) for rod in batch]
+    (2, (2, 6), [4.05, 8.323])
     """
 
     positions: Array

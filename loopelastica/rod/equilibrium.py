@@ -74,6 +74,16 @@ class Equilibrium(Record):
     index : int or None
         Morse index: independent ways downhill with both ends clamped; None until it is computed
         (see :mod:`.stability`).
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> q = le.Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2])
+    >>> rod = le.solve(q)
+    >>> rod.converged, round(rod.energy, 4), rod.centerline(3).shape
+    (True, 7.0579, (3, 3))
+    >>> le.Equilibrium.from_dict(rod.to_dict()).energy == rod.energy
+    True
     """
 
     clamping: Clamping
