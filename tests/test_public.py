@@ -3,6 +3,7 @@
 import enum
 import inspect
 import re
+import types
 
 import pytest
 
@@ -33,21 +34,26 @@ def test_sections_come_in_the_order_of_numpydoc_and_each_once(name):
     assert found == [section for section in _ORDER if section in found]
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_every_parameter_is_explained(name):
-    public = getattr(le, name)
-    if inspect.isclass(public):
-        return
-    doc = inspect.getdoc(public)
-    parameters = [p for p in inspect.signature(public).parameters if p not in ("args", "kwargs")]
-    section = doc.split("Parameters\n----------\n")[1].split("\nReturns\n")[0]
-    explained = {
-        entry.strip()
-        for line in section.splitlines()
-        if line[:1].strip()
-        for entry in line.split(" : ")[0].split(",")
-    }
-    assert set(parameters) <= explained
+def _calls():
+    """Public functions, and public methods of public classes."""
+    for name in NAMES:
+        public = getattr(le, name)
+        if not inspect.isclass(public):
+            yield f"{public.__module__}.{public.__qualname__}"
+        elif public.__module__.startswith("loopelastica"):
+            for method, value in vars(public).items():
+                if not method.startswith("_") and isinstance(
+                    value, types.FunctionType | classmethod | staticmethod
+                ):
+                    yield f"{public.__module__}.{public.__qualname__}.{method}"
+
+
+@pytest.mark.parametrize("call", [*_calls()])
+def test_parameters_and_results_are_explained_as_numpydoc_wants_them(call):
+    """PR: parameters, their order and types; RT01, YD01: what comes back; GL07: sections."""
+    validate = pytest.importorskip("numpydoc.validate").validate
+    wanted = {"PR01", "PR02", "PR03", "PR04", "RT01", "YD01", "GL06", "GL07", "GL08", "SS01"}
+    assert [error for error in validate(call)["errors"] if error[0] in wanted] == []
 
 
 @pytest.mark.parametrize(

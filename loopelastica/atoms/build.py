@@ -148,7 +148,12 @@ class HairpinModel(AtomModel):
         )
 
     def universe(self) -> Any:
-        """The atoms of stem and loop as an MDAnalysis Universe."""
+        """The atoms of stem and loop as an MDAnalysis Universe.
+
+        Returns
+        -------
+        MDAnalysis.Universe
+        """
         atoms = self.atoms
         residues = self.hairpin.sequence.residues
         return universe_of(residues, atoms.names, (atoms.resids - 1).tolist(), atoms.positions_A)

@@ -93,8 +93,8 @@ class LoopOptions(Options):
     persistence_length_A: float = option(PERSISTENCE_LENGTH_A, positive)
     irregular: bool = option(False, flag)
     pair: str | Sequence[str] = option((), places)
-    dot_bracket: str | None = option(None, optional(brackets))
     loop: str | Sequence[str] = option((), places)
+    dot_bracket: str | None = option(None, optional(brackets))
     max_size_MB: float = option(MAX_SIZE_MB, positive)
     max_atoms: int = option(MAX_ATOMS, whole(1))
 

@@ -104,9 +104,21 @@ class Barriers(list[Barrier]):
         self.out_of_time = out_of_time
 
     def between(self, i: int, j: int) -> Barrier:
-        """The barrier between the minima at the positions ``i`` and ``j`` of the list.
+        """The barrier between two minima.
 
-        ValueError if one of them is no minimum, or they are the same.
+        Parameters
+        ----------
+        i, j : int
+            Their positions in the list.
+
+        Returns
+        -------
+        Barrier
+
+        Raises
+        ------
+        ValueError
+            If one of them is no minimum, or they are the same.
         """
         for barrier in self:
             if barrier.minima in ((i, j), (j, i)):
@@ -114,7 +126,14 @@ class Barriers(list[Barrier]):
         raise ValueError(f"there is no barrier between {shown(i)} and {shown(j)} of the list")
 
     def records(self) -> Iterator[dict[str, Any]]:
-        """A row for each barrier, for :func:`to_dataframe`."""
+        """Give a row for each barrier, for :func:`loopelastica.to_dataframe`.
+
+        Yields
+        ------
+        dict
+            Positions of the minima in the list; energy of the pass and its heights above them
+            (K0/L); number of saddles; why there is no pass.
+        """
         for barrier in self:
             known = barrier.saddle is not None
             yield {

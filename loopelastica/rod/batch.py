@@ -147,8 +147,10 @@ def solve_batch(
     torsion_ratio : float or (n,) array_like
         K30 = K3/K0, of all rows or of each. Each ratio has a guess library of its own, which takes
         a moment to build where ``lowest`` is False.
-    free_spin, lowest
-        As for :class:`Clamping` and :func:`solve`.
+    free_spin : bool
+        As for :class:`Clamping`.
+    lowest : bool
+        As for :func:`solve`.
     threads : int
         Threads to compute with; the compiled solver runs without the interpreter's lock.
     tolerance : float

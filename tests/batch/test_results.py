@@ -163,7 +163,7 @@ def test_options_are_checked_before_anything_is_written(tmp_path, folds, options
 
 
 def test_an_unknown_option_and_an_odd_folder_are_named(tmp_path, folds, models):
-    with pytest.raises(TypeError, match="write takes no `hydrogen`; .* `hydrogens`"):
+    with pytest.raises(TypeError, match=r"write takes no `hydrogen`; .* `hydrogens`"):
         folds.write(tmp_path / "out", hydrogen=True)
     for results in (folds, folds[0]):
         with pytest.raises(ValueError, match="`folder` is 3"):
@@ -174,6 +174,6 @@ def test_an_unknown_option_and_an_odd_folder_are_named(tmp_path, folds, models):
 
 
 def test_a_loop_that_was_not_folded_is_not_written(tmp_path, refused):
-    with pytest.raises(le.StructureError, match="not folded.*no rod fits"):
+    with pytest.raises(le.StructureError, match=r"not folded.*no rod fits"):
         refused[0].write(tmp_path / "out")
     assert not (tmp_path / "out").exists()

@@ -153,7 +153,7 @@ def test_options_are_those_of_fold(universe):
         le.LoopElastica(universe, taper=3.0)
     with pytest.raises(ValueError, match="`max_candidates`"):
         le.LoopElastica(universe, max_candidates=0)
-    with pytest.raises(TypeError, match="LoopElastica takes no `tapper`; .* `taper`"):
+    with pytest.raises(TypeError, match=r"LoopElastica takes no `tapper`; .* `taper`"):
         le.LoopElastica(universe, tapper=0.1)
     for name, value in (("all_models", False), ("max_size_MB", 3.0), ("max_atoms", 20)):
         with pytest.raises(ValueError, match=f"`{name}` does not apply to a trajectory"):
