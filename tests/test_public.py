@@ -1,6 +1,5 @@
 """Public names: each with an example that is run, each call's keywords by their names."""
 
-import enum
 import inspect
 import re
 import types
@@ -12,16 +11,10 @@ from loopelastica._files import data_path
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
 NAMES = [name for name in le.__all__ if name != "__version__"]
-# a list of codes has nothing to run
-WITH_EXAMPLES = [
-    name
-    for name in NAMES
-    if not (inspect.isclass(getattr(le, name)) and issubclass(getattr(le, name), enum.Enum))
-]
 _ORDER = ("Parameters", "Attributes", "Returns", "Yields", "Raises", "Examples")
 
 
-@pytest.mark.parametrize("name", WITH_EXAMPLES)
+@pytest.mark.parametrize("name", NAMES)
 def test_every_public_name_has_an_example(name):
     examples = inspect.getdoc(getattr(le, name)).split("Examples\n--------\n")
     assert len(examples) == 2

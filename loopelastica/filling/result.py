@@ -353,7 +353,13 @@ class Filling(Record):
             yield "no internal gap; nothing to fill"
 
     def records(self) -> Iterator[dict[str, Any]]:
-        """A row per strand, for :func:`loopelastica.to_dataframe`."""
+        """Give a row per strand, for :func:`loopelastica.to_dataframe`.
+
+        Yields
+        ------
+        dict
+            ``file``, then the columns of summary.csv.
+        """
         from loopelastica.filling.folder import strand_row
 
         for strand in self.strands:

@@ -22,6 +22,7 @@ from loopelastica._files import (
 )
 from loopelastica._names import printable, safe_name, safe_stem
 from loopelastica.folding.result import LoopFold
+from loopelastica.molecule._universe import text_of
 from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.report.pdb import (
     WholeStructure,
@@ -131,11 +132,11 @@ def write_fold(
         write_csv(part / "line.csv", _line_rows(fold))
         _write_traces(part / "traces.pdb", fold, structure, letter)
         seen = path_from(path, source) if isinstance(source, Path) else None
-        if isinstance(source, Path):
+        file = _shown(part, source, structure)
+        if file is not None:
             # a PDB file has no longer chain names: there they are those of segments
             chain = fold.hairpin.chain
-            shown = "" if is_pdb(source) and len(chain) > 1 else chain
-            file = shown_file(part, source)
+            shown = "" if is_pdb(Path(file)) and len(chain) > 1 else chain
             write_pymol(part / "view.pml", fold, file, shown)
             write_chimerax(part / "view.cxc", fold, file, shown, structure.n_models)
         if whole is not None:
@@ -155,6 +156,18 @@ def write_fold(
         files = {MANIFEST, *(entry.name for entry in part.iterdir() if entry.name != NOTE)}
         write_json(part / MANIFEST, {**content, "files": sorted(files)})
     return {name: content[name] for name in _KEY}
+
+
+def _shown(part: Path, source: Path | str | Mapping[str, Any], structure: Structure) -> str | None:
+    """The structure file that viewers open; of a frame of a Universe it is made, native.*."""
+    if isinstance(source, Path):
+        return shown_file(part, source)
+    if isinstance(source, str) or "universe" not in source:
+        return None
+    kind, text = text_of(structure.universe)
+    file = "native.pdb" if kind == "pdb" else "native.cif"
+    write_text(part / file, text)
+    return file
 
 
 def _named(source: Path | str | Mapping[str, Any]) -> Path | str | None:

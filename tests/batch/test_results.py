@@ -90,9 +90,12 @@ def test_a_frame_is_written_with_what_it_is(tmp_path):
     assert content["input"] == {"universe": "2koc.pdb", "frame": 2}
     assert {row["file"] for row in rows_of(out / "summary.csv")} == {"universe"}
     assert (folder / "plot.png").stat().st_size > 10_000
-    frame = {line[30:54] for line in (folder / "whole.pdb").read_text().splitlines()}
+    assert "native.pdb" in (folder / "view.pml").read_text()
+    assert "native.pdb" in (folder / "view.cxc").read_text()
     universe.trajectory[2]
-    assert "".join(f"{x:8.3f}" for x in universe.atoms.positions[0]) in frame
+    place = "".join(f"{x:8.3f}" for x in universe.atoms.positions[0])
+    for name in ("whole.pdb", "native.pdb"):
+        assert place in {line[30:54] for line in (folder / name).read_text().splitlines()}
 
 
 def test_a_built_hairpin_has_the_folder_of_the_command(tmp_path):
