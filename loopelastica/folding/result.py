@@ -9,8 +9,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from loopelastica._arrays import Array, Record, read_only
 from loopelastica._html import html_line, html_table
 from loopelastica.errors import StructureError
@@ -32,9 +30,6 @@ if TYPE_CHECKING:
 
 OUT = "loopelastica-out"
 """Folder for results, unless another one is given."""
-
-_NEAR_POINTS = 21
-"""Points of each line that chains are looked for near."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -132,8 +127,8 @@ class LoopFold(Record):
         StructureError
             As :meth:`structure`.
         """
-        lines = [candidate.line.points(_NEAR_POINTS) for candidate in self.candidates]
-        return Settings(self.structure()).of(self.hairpin, np.concatenate(lines) if lines else None)
+        near_A = self.candidates[0].trace if self.candidates else None
+        return Settings(self.structure()).of(self.hairpin, near_A)
 
     def plot(self) -> Figure:
         """Draw the candidates in their stem, with the file's own loop and the curvature.
@@ -151,10 +146,9 @@ class LoopFold(Record):
         from loopelastica.report.plots import draw_fold
 
         self.check_folded()
-        title = (
-            self.hairpin.name if self.source is None else f"{self.source.name} {self.hairpin.name}"
-        )
-        return draw_fold(self, setting=self.setting(), title=title)
+        setting = self.setting()
+        title = "" if self.source is None else self.source.name
+        return draw_fold(self, setting=setting, title=title)
 
     def view(self) -> Any:
         """Show the candidates in their structure in a notebook, in 3D; needs the extra `notebook`.
