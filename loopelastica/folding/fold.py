@@ -14,11 +14,12 @@ from typing import Any
 from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.folding.clamping import clamped_ends, clamping_of
+from loopelastica.folding.folds import Folds
 from loopelastica.folding.hypotheses import Scene, hypotheses, scene_of
 from loopelastica.folding.like import check_loops, loop_templates, remarks
 from loopelastica.folding.options import FoldOptions, keywords
 from loopelastica.folding.rank import rank
-from loopelastica.folding.result import Folds, LoopFold, with_models
+from loopelastica.folding.result import LoopFold, with_models
 from loopelastica.folding.source import source_of
 from loopelastica.molecule.contacts import stem_atoms
 from loopelastica.molecule.ends import StemEnds, fit_stem

@@ -96,13 +96,3 @@ def test_a_notebook_without_nglview_is_told_which_extra_is_missing(loop, refused
         loop.view()
     with pytest.raises(le.StructureError, match="not folded"):
         refused.view()
-
-
-def test_folds_are_a_list_that_says_what_failed(loop, refused):
-    folds = le.Folds([loop, refused], ["a remark"])
-    assert folds == [loop, refused]
-    assert folds.failures == (refused.failure,)
-    again = pickle.loads(pickle.dumps(folds))
-    assert isinstance(again, le.Folds)
-    assert again.remarks == ("a remark",)
-    assert [repr(one) for one in again] == [repr(one) for one in folds]
