@@ -30,6 +30,7 @@ _PUBLIC = {
     "Hairpin": "molecule.hairpins",
     "Hairpins": "molecule.hairpins",
     "fold": "folding.fold",
+    "Folds": "folding.folds",
     "LoopFold": "folding.result",
     "scan": "folding.scan",
     "LoopScan": "folding.scan",
@@ -68,6 +69,7 @@ if TYPE_CHECKING:
     from loopelastica.filling.result import FilledStrand as FilledStrand
     from loopelastica.filling.result import Filling as Filling
     from loopelastica.folding.fold import fold as fold
+    from loopelastica.folding.folds import Folds as Folds
     from loopelastica.folding.library import Library as Library
     from loopelastica.folding.library_file import load_library as load_library
     from loopelastica.folding.rank import Candidate as Candidate

@@ -97,7 +97,9 @@ def build_library(
         The library, such as loops.lib.
     with_contacts : bool
         Take loops too that make a canonical pair elsewhere.
-    jobs, scheduler
+    jobs : int
+        How many processes.
+    scheduler : str, optional
         As for :func:`loopelastica.batch.workers.outcomes`.
     progress : bool
         Show a bar.

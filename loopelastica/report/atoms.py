@@ -159,6 +159,12 @@ _COLUMNS: Final[dict[str, Callable[[AtomModel], Any]]] = {
 }
 
 
+def model_row(model: AtomModel) -> dict[str, Any]:
+    """The row of a model in tables: ``rank``, ``sound``, and what was measured on its atoms."""
+    columns = {name.removeprefix("atoms_"): value(model) for name, value in _COLUMNS.items()}
+    return {"rank": model.rank, **columns}
+
+
 def write_atoms(folder: Path, atoms: LoopAtoms, source: Source = None) -> None:
     """Write the files of one loop into a folder.
 

@@ -22,6 +22,7 @@ from loopelastica._files import (
 )
 from loopelastica._names import printable, safe_name, safe_stem
 from loopelastica.folding.result import LoopFold
+from loopelastica.molecule._universe import text_of
 from loopelastica.molecule.nucleotides import Structure, is_pdb
 from loopelastica.molecule.setting import Setting, Settings
 from loopelastica.report.page.scene import SCENE, fold_scene, write_scene
@@ -84,7 +85,7 @@ class Folders:
 
 def write_fold(
     path: Path,
-    source: Path | str,
+    source: Path | str | Mapping[str, Any],
     fold: LoopFold,
     structure: Structure,
     plot: bool = True,
@@ -101,8 +102,9 @@ def write_fold(
     ----------
     path : Path
         The folder.
-    source : Path or str
-        The file that was folded, or the sequence the hairpin was built from.
+    source : Path, str or mapping
+        The file that was folded, the sequence the hairpin was built from, or what is recorded of
+        anything else.
     fold : LoopFold
         What came out, with at least one candidate.
     structure : Structure
@@ -139,11 +141,11 @@ def write_fold(
         write_csv(part / "line.csv", _line_rows(fold))
         _write_traces(part / "traces.pdb", fold, structure, letter)
         seen = path_from(path, source) if isinstance(source, Path) else None
-        if isinstance(source, Path):
+        file = _shown(part, source, structure)
+        if file is not None:
             # a PDB file has no longer chain names: there they are those of segments
             chain = fold.hairpin.chain
-            shown = "" if is_pdb(source) and len(chain) > 1 else chain
-            file = shown_file(part, source)
+            shown = "" if is_pdb(Path(file)) and len(chain) > 1 else chain
             write_pymol(part / "view.pml", fold, file, shown)
             write_chimerax(part / "view.cxc", fold, file, shown, structure.n_models)
         if whole is not None:
@@ -151,7 +153,7 @@ def write_fold(
         if atoms is not None:
             from loopelastica.report.atoms import write_atoms
 
-            write_atoms(part, atoms, source)
+            write_atoms(part, atoms, _named(source))
         if plot:
             sticks = None if atoms is None else atoms.sticks(1)
             plot_fold(fold, part / "plot.png", title=printable(path.name), sticks=sticks)
@@ -168,6 +170,26 @@ def write_fold(
             files.add(SCENE)
         write_json(part / MANIFEST, {**content, "files": sorted(files)})
     return {name: content[name] for name in _KEY}
+
+
+def _shown(part: Path, source: Path | str | Mapping[str, Any], structure: Structure) -> str | None:
+    """The structure file that viewers open; of a frame of a Universe it is made, native.*."""
+    if isinstance(source, Path):
+        return shown_file(part, source)
+    if isinstance(source, str) or "universe" not in source:
+        return None
+    kind, text = text_of(structure.universe)
+    file = "native.pdb" if kind == "pdb" else "native.cif"
+    write_text(part / file, text)
+    return file
+
+
+def _named(source: Path | str | Mapping[str, Any]) -> Path | str | None:
+    """The file or the sequence; None for anything else, such as a Universe."""
+    if isinstance(source, Mapping):
+        sequence = source.get("sequence")
+        return None if sequence is None else str(sequence)
+    return source
 
 
 def is_there(path: Path, key: Mapping[str, Any]) -> bool:

@@ -11,23 +11,50 @@ from loopelastica._arrays import Array
 from loopelastica._names import printable
 from loopelastica.folding.expected import expected_text
 from loopelastica.folding.result import LoopFold
+from loopelastica.molecule.setting import Setting
 from loopelastica.molecule.trace import smoothed_line
 from loopelastica.report.records import LINE_POINTS
 
 
 def plot_fold(fold: LoopFold, path: Path, title: str = "", sticks: Array | None = None) -> None:
+    """Write the picture of a loop.
+
+    Parameters
+    ----------
+    fold, title, sticks
+        As for :func:`draw_fold`.
+    path : Path
+        The picture; its suffix decides the format.
+    """
+    figure = draw_fold(fold, title=title, sticks=sticks)
+    with warnings.catch_warnings():
+        # letters of a name that the font lacks are drawn as boxes
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+        figure.savefig(path, dpi=120)
+
+
+def draw_fold(
+    fold: LoopFold,
+    setting: Setting | None = None,
+    title: str = "",
+    sticks: Array | None = None,
+) -> Any:
     """Draw the candidates and the native line from two sides, and the curvature along the loop.
 
     Parameters
     ----------
     fold : LoopFold
         With at least one candidate.
-    path : Path
-        The picture; its suffix decides the format.
+    setting : Setting, optional
+        What the loop is seen in.
     title : str
         What stands over it.
     sticks : (m, 2, 3) array, optional
         Bonds of the first candidate's atoms, Å.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -65,10 +92,7 @@ def plot_fold(fold: LoopFold, path: Path, title: str = "", sticks: Array | None 
     )  # fmt: skip
     for label in legend.get_texts():
         label.set_parse_math(False)
-    with warnings.catch_warnings():
-        # letters of a name that the font lacks are drawn as boxes
-        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-        figure.savefig(path, dpi=120)
+    return figure
 
 
 def _colour(rank: int) -> Any:
