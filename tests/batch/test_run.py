@@ -15,7 +15,8 @@ from typer.testing import CliRunner
 
 from loopelastica._files import data_path
 from loopelastica.batch.folds import FOLDS
-from loopelastica.batch.run import _Book, distinct, run, tasks_of
+from loopelastica.batch.run import _Book, run
+from loopelastica.batch.tasks import distinct, tasks_of
 from loopelastica.cli.app import app
 from loopelastica.folding.options import FoldOptions
 

@@ -313,9 +313,8 @@ def test_results_beside_the_input_touch_no_input(tmp_path, monkeypatch):
 
 
 def test_the_table_fits_eighty_columns(tmp_path, out):
-    from rich.console import Console
-
     from loopelastica.report.tables import fill_table
+    from rich.console import Console
 
     atoms = [*gapped.chain({6, 7}), "TER", *gapped.chain({9}, name="B", moved=40.0)]
     run(gapped.pdb(tmp_path / "a.pdb", atoms, head=gapped.seqres()), "-o", out)

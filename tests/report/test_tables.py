@@ -5,7 +5,6 @@ import os
 from pathlib import Path
 
 import pytest
-
 from loopelastica.report.tables import atoms_table, console, fold_table, hairpins_table
 
 

@@ -37,13 +37,13 @@ def run(folder: Path, out: Path, *, sample: int | None = None, progress: bool = 
     ValueError
         If `folder` holds no such file.
     """
-    from tqdm import tqdm
+    from loopelastica._progress import progress_bar
 
     files = structure_files(folder)
     if sample is not None and sample < len(files):
         files = [files[round(k * (len(files) - 1) / max(sample - 1, 1))] for k in range(sample)]
     rows: list[dict[str, Any]] = []
-    for file in tqdm(files, disable=not progress, unit="file", leave=False):
+    for file in progress_bar(files, shown=progress, unit="file", leave=False):
         rows += _file(file)
     if rows:
         write_csv(
