@@ -29,7 +29,10 @@ def bench_paper(
     ] = False,
     quiet: o.Quiet = False,
 ) -> None:
-    """Rerun the studies of Figs. 3, 4 and 5 of the 2018 paper: its printed method, and ours."""
+    """Rerun the studies of the 2018 paper: its method, and ours.
+
+    Those of its figures 3, 4 and 5, by its printed method.
+    """
     screen = Screen("bench paper", "tables", quiet)
     o.refuse(
         (full and sample is not None, "--sample goes without --full"),
@@ -57,7 +60,10 @@ def bench_atoms(
     ] = None,
     quiet: o.Quiet = False,
 ) -> None:
-    """Build the first candidate's atoms for every simple loop of a folder; judge the models."""
+    """Build atoms for every simple loop of a folder; judge them.
+
+    Those of the first candidate.
+    """
     screen = Screen("bench atoms", "tables", quiet)
     from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.bench.atoms import run
@@ -77,7 +83,10 @@ def bench_simulation(
     ] = False,
     quiet: o.Quiet = False,
 ) -> None:
-    """Hand folded and built models, and natives, to OpenMM's force fields; minimize them."""
+    """Hand models and natives to OpenMM's force fields.
+
+    Folded and built ones; they are minimized.
+    """
     screen = Screen("bench simulation", "tables", quiet)
     from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.simulation.study import run
@@ -102,7 +111,10 @@ def bench_strands(
     ] = False,
     quiet: o.Quiet = False,
 ) -> None:
-    """Take strands out of structures, fill them again, and compare with simpler curves."""
+    """Take strands out of structures and fill them again.
+
+    Simpler curves are compared with what is filled.
+    """
     screen = Screen("bench strands", "tables", quiet)
     from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.strands.deletion import run
@@ -122,7 +134,10 @@ def bench_stability(
     seed: _Seed = 2026,
     quiet: o.Quiet = False,
 ) -> None:
-    """Solve stiff, extreme and degenerate clampings; judge each result independently."""
+    """Solve stiff, extreme and degenerate clampings.
+
+    Each result is judged independently.
+    """
     screen = Screen("bench stability", "tables", quiet)
     from loopelastica.studies.bench.stability import run
 
@@ -138,7 +153,10 @@ def bench_accuracy(
     seed: _Seed = 2026,
     quiet: o.Quiet = False,
 ) -> None:
-    """Compare error and run time with the paper's method and SciPy's, on the same targets."""
+    """Compare error and run time with other methods.
+
+    With the paper's method and SciPy's, on the same targets.
+    """
     screen = Screen("bench accuracy", "tables", quiet)
     from loopelastica.studies.bench.accuracy import run
 
@@ -154,7 +172,10 @@ def bench_scaling(
     seed: _Seed = 2026,
     quiet: o.Quiet = False,
 ) -> None:
-    """Measure time and memory over the number of rods, threads, length and equilibria."""
+    """Measure time and memory over the number of rods.
+
+    And over the number of threads, the length, and the number of equilibria.
+    """
     screen = Screen("bench scaling", "tables", quiet)
     from loopelastica.studies.bench.scaling import run
 
@@ -172,7 +193,10 @@ def bench_completeness(
     seed: _Seed = 2026,
     quiet: o.Quiet = False,
 ) -> None:
-    """Judge lists of equilibria, and what they say of their gaps, by an independent search."""
+    """Judge lists of equilibria by an independent search.
+
+    And what they say of their gaps.
+    """
     screen = Screen("bench completeness", "tables", quiet)
     from loopelastica.studies.completeness.study import run
 

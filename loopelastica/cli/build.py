@@ -66,8 +66,8 @@ def build(
 ) -> None:
     """Build hairpins from their sequences alone.
 
-    Each has an ideal stem, a folded loop and atoms, and gets a folder; the folder for the results gets summary.csv, a row per candidate,
-    and failures.csv.
+    Each has an ideal stem, a folded loop and atoms, and gets a folder; the folder for the results
+    gets summary.csv, a row per candidate, and failures.csv.
     """
     from loopelastica.atoms.conventions import check_names
     from loopelastica.atoms.sequence import read_sequence
@@ -202,7 +202,8 @@ def _end(
         for built in done
         for remark in (*built.atoms.structure.remarks, *built.atoms.remarks)
     ]
-    screen.note(notes, "in the hairpins' atoms.json")
+    names = [built.name for built in done] if len(done) + len(failures) == 1 else []
+    screen.note(notes, "in the hairpins' atoms.json", names)
     screen.end(
         fold_documents(out, rows) if screen.as_json else (),
         failures,

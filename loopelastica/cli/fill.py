@@ -117,10 +117,10 @@ def fill(
         tasks = tasks_of(files, options.to_dict(), out, beside)
         progress = len(files) > 1 and not quiet
         done = run(FILLS, tasks, out, jobs or 1, scheduler, progress, wording=in_options)
-    _end(screen, out, done, notes)
+    _end(screen, files, out, done, notes)
 
 
-def _end(screen: Screen, out: Path, done: "Run", notes: list[str]) -> None:
+def _end(screen: Screen, files: list[str], out: Path, done: "Run", notes: list[str]) -> None:
     """Say what was filled and what was not."""
     from loopelastica.report.documents import fill_documents
     from loopelastica.report.screen.fills import fill_screen
@@ -144,7 +144,7 @@ def _end(screen: Screen, out: Path, done: "Run", notes: list[str]) -> None:
         )
     # what a model is not good for stands before what was chosen in reading
     told = sorted(done.notes, key=lambda sentence: "not sound" not in sentence)
-    screen.note([*notes, *told], "in the files' fill.json")
+    screen.note([*notes, *told], "in the files' fill.json", files)
     screen.end(
         fill_documents(out, written) if screen.as_json else (),
         done.failed,

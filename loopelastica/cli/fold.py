@@ -172,7 +172,7 @@ def _fold_many(
             f" in {done.table}",
             "",
         )
-    _end(screen, out, options, rows, [*notes, *done.notes], done.failed)
+    _end(screen, files, out, options, rows, [*notes, *done.notes], done.failed)
 
 
 @dataclass
@@ -240,11 +240,12 @@ def _fold_each(
                 results.write(out)
             raise
         results.write(out)
-    _end(screen, out, options, results.rows, results.notes, results.failures)
+    _end(screen, files, out, options, results.rows, results.notes, results.failures)
 
 
 def _end(
     screen: Screen,
+    files: list[str],
     out: Path,
     options: "FoldOptions",
     rows: "Sequence[Row]",
@@ -263,7 +264,7 @@ def _end(
             f"Written to {out}: a folder per loop, with ranking.csv, traces.pdb and view.pml for"
             " PyMOL, and summary.csv, a row per candidate.",
         )
-    screen.note([*notes, *_of_earlier_runs(out, rows)], "in the loops' ranking.json")
+    screen.note([*notes, *_of_earlier_runs(out, rows)], "in the loops' ranking.json", files)
     screen.end(
         fold_documents(out, rows) if screen.as_json else (),
         list(failures),
@@ -275,11 +276,11 @@ def _end(
 
 def _of_earlier_runs(out: Path, rows: "Iterable[Row]") -> list[str]:
     """A note that names what lies in the folder besides the results of this run."""
+    from loopelastica.molecule.nucleotides import enumerated
     from loopelastica.report.folder import other_folds
 
     others = other_folds(out, {row["folder"] for row in rows})
     if not others:
         return []
-    shown, more = others[:5], len(others[5:])
-    names = ", ".join(shown) + (f" and {more} more" if more else "")
+    names = enumerated(others)
     return [f"{out} holds results of earlier runs that are not in summary.csv: {names}"]

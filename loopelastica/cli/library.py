@@ -32,10 +32,10 @@ def build_library(
     quiet: o.Quiet = False,
     as_json: o.AsJson = False,
 ) -> None:
-    """Make a library of the hairpin loops of many files, 3 to 12 nucleotides each.
+    """Make a library of the hairpin loops of many files.
 
-    Beside it a folder, loops.lib.run, gets loops.csv, a row per loop, and failures.csv. The same
-    command resumes a run that was stopped.
+    It takes loops of 3 to 12 nucleotides. Beside it a folder, loops.lib.run, gets loops.csv, a row
+    per loop, and failures.csv. The same command resumes a run that was stopped.
     """
     from loopelastica.batch.shapes import build_library as build
     from loopelastica.molecule.nucleotides import Limits
@@ -69,7 +69,7 @@ def list_library(
     quiet: o.Quiet = False,
     as_json: o.AsJson = False,
 ) -> None:
-    """Show what a library holds: loops, sequences and entries by kind and length."""
+    """Show what a library holds, by kind and length."""
     from loopelastica.folding.library_file import load_library
     from loopelastica.report.documents import library_rows
     from loopelastica.report.screen.tables import library_table

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from loopelastica._names import printable
 from loopelastica.cli.program import in_options, say, tell
 
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ class Screen:
         for line in lines if self.talks else ():
             tell(line)
 
-    def note(self, sentences: Iterable[str], rest: str) -> None:
+    def note(self, sentences: Iterable[str], rest: str, files: Sequence[str] = ()) -> None:
         """Print what a user should be aware of, alike sentences as one, up to a screenful.
 
         Parameters
@@ -89,6 +90,8 @@ class Screen:
         sentences : iterable of str
         rest : str
             Where the others are, such as "in the files' fill.json".
+        files : sequence of str
+            What the command is about: a single file need not be named again.
         """
         said = [in_options(sentence) for sentence in sentences]
         self.notes += said
@@ -98,7 +101,8 @@ class Screen:
         from loopelastica.report.screen.sentences import gathered
 
         columns, left = width(), SCREENFUL
-        alike = gathered(said)
+        known = f"{printable(files[0])}: " if len(files) == 1 else ""
+        alike = gathered(sentence.removeprefix(known) for sentence in said)
         for count, sentence in enumerate(alike):
             lines = wrapped(f"note: {sentence}", columns)
             if len(lines) > left and count:

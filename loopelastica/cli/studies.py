@@ -22,7 +22,9 @@ def study_motifs(
     ),
     quiet: o.Quiet = False,
 ) -> None:
-    """Shapes of loops by motif and length, a library, and the errors to expect of answers.
+    """Shapes of loops by motif and length, and a library.
+
+    And the errors to expect of answers.
 
     Where the folder holds loops.csv, that says which loop of a file counts, which make a pair
     elsewhere, and which are of one family; else all hairpin loops count, and relatives are those by

@@ -110,7 +110,7 @@ def pieces(path: Path, limits: Limits) -> Generator[bytes, None, None]:
     opener = _OPENERS.get(path.suffix.lower(), open)
     left = limits.max_size_MB * 1e6
     try:
-        _check_regular(path)
+        check_regular(path)
         with opener(path, "rb") as stream:
             while piece := stream.read(_PIECE):
                 left -= len(piece)
@@ -122,8 +122,6 @@ def pieces(path: Path, limits: Limits) -> Generator[bytes, None, None]:
                 yield piece
     except EOFError:
         raise StructureError(f"{name_of(path)}: the compressed file is cut short") from None
-    except FileNotFoundError:
-        raise StructureError(f"{name_of(path)}: {_absent(path)}") from None
     except PermissionError:
         raise StructureError(f"{name_of(path)}: no permission to read the file") from None
     # ValueError: a null character in the name
@@ -132,8 +130,23 @@ def pieces(path: Path, limits: Limits) -> Generator[bytes, None, None]:
         raise StructureError(f"{name_of(path)}: the file cannot be read ({cause})") from None
 
 
-def _check_regular(path: Path) -> None:
-    mode = os.stat(path).st_mode
+def check_regular(path: Path) -> None:
+    """Refuse what is not there and what is no regular file.
+
+    Parameters
+    ----------
+    path : Path
+        A file, or what is given as one.
+
+    Raises
+    ------
+    StructureError
+        If it is none.
+    """
+    try:
+        mode = os.stat(path).st_mode
+    except FileNotFoundError:
+        raise StructureError(f"{name_of(path)}: {_absent(path)}") from None
     if stat.S_ISREG(mode):
         return
     what = next((name for is_so, name in _KINDS if is_so(mode)), "something else")
@@ -153,9 +166,9 @@ def _inside(path: Path) -> str:
 
 def _absent(path: Path) -> str:
     """What to do about a file that is not there, where its name is that of an entry of the PDB."""
-    if _ENTRY.fullmatch(str(path)) is None:
+    if _ENTRY.fullmatch(path.name) is None:
         return "there is no such file"
-    entry = str(path).upper() if len(str(path)) == 4 else str(path).lower()
+    entry = path.name.upper() if len(path.name) == 4 else path.name.lower()
     return (
         "there is no such file, and nothing is downloaded: if this is an entry of the PDB, fetch"
         f" https://files.rcsb.org/download/{entry}.cif and give that file"

@@ -7,6 +7,7 @@ from typing import Final
 _MODEL: Final = re.compile(r"\bmodel (\d+): ")
 # "A.C5–A.G10", "A.40-42": a word with a number in it
 _PLACE: Final = re.compile(r"(?=[^\s:]*\d)[^\s:]+")
+_LENGTH: Final = re.compile(r"\d+(\.\d+)?(?= [Å°])")
 # names of places or files that are given before the others are counted
 _NAMED: Final = 3
 
@@ -28,21 +29,42 @@ def gathered(sentences: Iterable[str]) -> list[str]:
     --------
     >>> gathered(["a.pdb: model 2: no ring", "a.pdb: model 3: no ring", "a.pdb: model 5: no ring"])
     ['a.pdb: models 2-3, 5: no ring']
+    >>> gathered(["a.pdb: model 2: 3.1 Å is too far", "a.pdb: model 3: 3.4 Å is too far"])
+    ['a.pdb: model 2: 3.1 Å is too far (and 1 more model)']
     >>> gathered(["a.pdb: A.6-9: far", "a.pdb: B.6-9: far", "b.pdb: odd", "c.pdb: odd"])
     ['a.pdb: A.6-9, B.6-9: far', 'b.pdb, c.pdb: odd']
     """
-    found = list(dict.fromkeys(sentences))
-    for split, joined in ((_of_model, _models), (_of_place, _places), (_of_file, _files)):
-        found = list(_joined(found, split, joined))
+    found = list(_alike_models(list(dict.fromkeys(sentences))))
+    for split, kind in ((_of_model, None), (_of_place, "places"), (_of_file, "files")):
+        found = list(_joined(found, split, kind))
     return found
+
+
+def _alike_models(sentences: Sequence[str]) -> Iterator[str]:
+    """Sentences; of those on models that differ in their lengths the first, and how many more."""
+    keys = [_but_for_lengths(sentence) for sentence in sentences]
+    alike: dict[str, list[str]] = {}
+    for sentence, key in zip(sentences, keys, strict=True):
+        if key is not None:
+            alike.setdefault(key, []).append(sentence)
+    for sentence, key in zip(sentences, keys, strict=True):
+        same = [] if key is None else alike[key]
+        if len({_MODEL.sub("", one) for one in same}) < 2:
+            yield sentence
+        elif sentence == same[0]:
+            more = len(same) - 1
+            yield f"{sentence} (and {more} more model{'s' * (more > 1)})"
+
+
+def _but_for_lengths(sentence: str) -> str | None:
+    """A sentence on a model without what differs between models; None for another one."""
+    return _LENGTH.sub("", _MODEL.sub("", sentence)) if _MODEL.search(sentence) else None
 
 
 _Split = Callable[[str], tuple[str, str, str] | None]
 
 
-def _joined(
-    sentences: Sequence[str], split: _Split, names: Callable[[list[str]], str]
-) -> Iterator[str]:
+def _joined(sentences: Sequence[str], split: _Split, kind: str | None) -> Iterator[str]:
     """Sentences; those that are alike but for their middle part as one."""
     parts = [split(sentence) for sentence in sentences]
     alike: dict[tuple[str, str], list[str]] = {}
@@ -54,7 +76,8 @@ def _joined(
         if part is None:
             yield sentence
         elif same := alike.pop((part[0], part[2]), None):
-            yield sentence if len(same) == 1 else f"{part[0]}{names(same)}{part[2]}"
+            names = _models(same) if kind is None else _some(same, kind)
+            yield sentence if len(same) == 1 else f"{part[0]}{names}{part[2]}"
 
 
 def _of_model(sentence: str) -> tuple[str, str, str] | None:
@@ -90,14 +113,6 @@ def _models(numbers: list[str]) -> str:
     if more > 1:
         spans = [*spans[: 2 * _NAMED], f"and {sum(map(len, runs[2 * _NAMED :]))} more"]
     return f"models {', '.join(spans)}"
-
-
-def _places(names: list[str]) -> str:
-    return _some(names, "places")
-
-
-def _files(names: list[str]) -> str:
-    return _some(names, "files")
 
 
 def _some(names: list[str], kind: str) -> str:

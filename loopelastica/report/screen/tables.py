@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
+from loopelastica._names import printable
 from loopelastica.report.screen.console import add_row, new_table, width
 
 if TYPE_CHECKING:
@@ -32,12 +33,12 @@ def hairpins_table(found: Sequence[dict[str, Any]]) -> Table:
     for hairpin in found:
         rms_A, absent = hairpin["stem_rms_A"], hairpin["absent"]
         fit = "none" if rms_A is None else f"{rms_A:.2f}"
-        pairs = ["–".join(pair) for pair in hairpin["contacts"]]
-        pairs += [f"kisses {name}" for name in hairpin["kissing"]]
+        pairs = [printable("–".join(pair)) for pair in hairpin["contacts"]]
+        pairs += [f"kisses {printable(name)}" for name in hairpin["kissing"]]
         count = hairpin["stem_pairs"]
         add_row(
             table,
-            "–".join(hairpin["closing_pair"]),
+            printable("–".join(hairpin["closing_pair"])),
             hairpin["sequence"],
             f"{hairpin['nucleotides']} nt {hairpin['kind']}"
             + (f", {absent} absent" if absent else ""),
