@@ -40,8 +40,10 @@ def evaluate(
         done = evaluate_folder(folder, out, jobs or 1, scheduler, not quiet, limits=limits)
     board = out / "scoreboard.md"
     if screen.talks:
-        screen.show(*markdown_screen(board.read_text(encoding="utf-8")), "")
-    screen.show(f"{done.n_files} files, {done.n_rows} loops: {board}")
+        # its first section; the others are for those who want to know more
+        first = board.read_text(encoding="utf-8").partition("\n## ")[0]
+        screen.show(*markdown_screen(first), "")
+    screen.show(f"{done.n_files} files, {done.n_rows} loops; all comparisons: {board}")
     screen.note(done.notes, "of the kind")
     loops = ({name: row[name] for name in EVALUATION.columns} for row in done.rows)
     screen.end(loops, done.failed, f"in {out / 'failures.csv'}", folder=str(out))

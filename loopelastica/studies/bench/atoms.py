@@ -51,7 +51,10 @@ def run(folder: Path, out: Path, *, sample: int | None = None, progress: bool = 
         )
     summary = _summary(rows)
     write_json(out / "atoms.json", summary)
-    return "\n".join(printable(f"{name}: {value}") for name, value in summary.items())
+    texts = (f"{v:.4g}" if isinstance(v, float) else str(v) for v in summary.values())
+    return "\n".join(
+        printable(f"{name}: {text}") for name, text in zip(summary, texts, strict=True)
+    )
 
 
 def _file(file: Path) -> list[dict[str, Any]]:
