@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from loopelastica.batch.journal import Record
-from loopelastica.batch.run import Task, Work
+from loopelastica.batch.run import Work
+from loopelastica.batch.tasks import Task
 from loopelastica.filling.fill import fill_entry
 from loopelastica.filling.folder import (
     STRAND_COLUMNS,

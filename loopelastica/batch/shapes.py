@@ -11,7 +11,8 @@ from typing import Any
 
 from loopelastica._checks import flag, instance, shown
 from loopelastica.batch.journal import Record
-from loopelastica.batch.run import Task, Work, distinct, run, tasks_of
+from loopelastica.batch.run import Work, run
+from loopelastica.batch.tasks import Task, distinct, tasks_of
 from loopelastica.batch.workers import check_workers
 from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.gathering import found_loop, loop_rows
@@ -54,16 +55,23 @@ class LibraryBuild:
         A row per loop found.
     n_files, n_resumed : int
         Files; those that were done before.
-    failures, notes : tuple of str
-        One sentence for each file that failed; for what was left out, and why.
+    failed : tuple of dict
+        ``file`` and ``failure``, a sentence, for each file that failed.
+    notes : tuple of str
+        One sentence for what was left out, and why.
     """
 
     library: Library
     table: Path
     n_files: int
     n_resumed: int
-    failures: tuple[str, ...]
+    failed: tuple[dict[str, str], ...]
     notes: tuple[str, ...]
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """One sentence for each file that failed."""
+        return tuple(failure["failure"] for failure in self.failed)
 
 
 def build_library(
@@ -163,7 +171,7 @@ def build_library(
         done.table,
         done.n_files,
         done.n_resumed,
-        done.failures,
+        done.failed,
         (*again, *done.notes, *notes),
     )
 

@@ -132,9 +132,9 @@ class LoopAtoms:
         return {n: None if found is None else value(found) for n, value in _COLUMNS.items()}
 
     def figures(self, rank: int) -> dict[str, Any]:
-        """Of these columns the few that the table of a run has."""
+        """Of these columns the few that the table of a run has, and why a model is not sound."""
         columns = self.columns(rank)
-        return {name: columns[name] for name in ATOMS_COLUMNS}
+        return {name: columns[name] for name in (*ATOMS_COLUMNS, "atoms_not_sound_because")}
 
     def sticks(self, rank: int) -> Array | None:
         """Bonds (m, 2, 3) of one candidate's atoms in the coordinates of the file, Å."""

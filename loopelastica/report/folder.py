@@ -237,7 +237,7 @@ def _write_scene(
 ) -> None:
     """What report.html shows of the loop, with what the manifest says of its origin."""
     source = content["input"]
-    name = printable(source.get("file") or source["sequence"])
+    name = printable(str(source.get("file") or source.get("sequence") or "universe"))
     provenance = {
         "version": content["version"],
         "sha256": source.get("sha256"),

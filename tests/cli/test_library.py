@@ -37,12 +37,12 @@ def out(tmp_path):
 def test_a_library_is_built_listed_and_built_again(out):
     result = run("build", KOC.parent, "-o", out)
     assert (result.exit_code, said(result)) == (0, [])
-    assert result.stdout == f"1 file (0 done before), 1 loop in {out}\n"
+    assert " ".join(result.stdout.split()) == f"1 file (0 done before), 1 loop in {out}"
     content = out.read_bytes()
     listed = run("list", out)
     assert listed.exit_code == 0
-    (row,) = [line for line in listed.stdout.splitlines() if line.startswith("│")]
-    assert row.replace("│", " ").split() == ["RNA", "4", "1", "1", "1", "UUCG", "(1)"]
+    (row,) = [line for line in listed.stdout.splitlines() if line.startswith("RNA")]
+    assert row.split() == ["RNA", "4", "1", "1", "1", "UUCG", "(1)"]
     assert "1 loop shape" in listed.stdout
     result = run("build", KOC, "-o", out)
     assert "1 file (1 done before), 1 loop in" in result.stdout
