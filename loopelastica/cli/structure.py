@@ -145,7 +145,8 @@ def scan(
     from loopelastica.folding.options import ScanOptions
     from loopelastica.folding.scan import scan as scan_file
     from loopelastica.molecule.folders import with_folders
-    from loopelastica.report.documents import SCAN_COLUMNS, scan_document, scan_rows
+    from loopelastica.report.documents import scan_document
+    from loopelastica.report.records import SCAN_COLUMNS, scan_rows
     from loopelastica.report.screen.scans import SCAN_LEGEND, scan_screen
 
     screen = Screen("scan", "loops", quiet, as_json)
@@ -174,7 +175,7 @@ def scan(
             else:
                 scans.append((file, scanned))
     if table is not None:
-        rows = (row for file, scanned in scans for row in scan_rows(file, scanned))
+        rows = ({**row, "file": file} for file, scanned in scans for row in scan_rows(scanned))
         write_csv(table, rows, SCAN_COLUMNS)
     for file, scanned in scans:
         screen.show(*scan_screen(scanned, shown, Path(file).name if len(given) > 1 else ""))

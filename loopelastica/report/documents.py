@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from loopelastica._files import read_manifest
-from loopelastica.report.records import ATOMS_COLUMNS, about, finite
+from loopelastica.report.records import ATOMS_COLUMNS, about, scan_rows
 
 if TYPE_CHECKING:
     from loopelastica.folding.library import Library
@@ -30,14 +30,6 @@ _CANDIDATE: Final = (
     *("rmsd_models_sd_A", "rmsd_models_A", "n_models", "length_A", "touching", "stem_contact_A"),
     *("self_contact_A", "twist_turns", "trace_A"),
 )
-SCAN_COLUMNS: Final = (
-    *("file", "loop", "kind", "closing_pair", "sequence", "nucleotides", "spread_A"),
-    *("rank", "rank_by_EL", "is_rule", "stem_extend_5", "stem_extend_3", "taper"),
-    *("length_per_nucleotide_A", "length_A", "free_nucleotides", "energy_per_A"),
-    *("energy_dimensionless", "stable", "residual", "touching", "stem_contact_A"),
-    *("self_contact_A", "rmsd_A"),
-)
-"""Columns of scan.csv."""
 
 
 def fold_documents(out: Path, rows: Iterable[Row]) -> Iterator[dict[str, Any]]:
@@ -131,44 +123,9 @@ def scan_document(file: str, loop: "LoopScan") -> dict[str, Any]:
                 **{name: value for name, value in row.items() if name not in of_loop},
                 "trace_A": one.candidate.trace.tolist(),
             }
-            for row, one in zip(scan_rows(file, loop), loop.candidates, strict=True)
+            for row, one in zip(scan_rows(loop), loop.candidates, strict=True)
         ],
     }
-
-
-def scan_rows(file: str, loop: "LoopScan") -> list[dict[str, Any]]:
-    """The rows of scan.csv of one loop, a row per shape.
-
-    Parameters
-    ----------
-    file : str
-        As it was given.
-    loop : LoopScan
-        With candidates.
-
-    Returns
-    -------
-    list of dict
-        In the columns `SCAN_COLUMNS`.
-    """
-    hairpin = loop.hairpin
-    rows = []
-    for one in loop.candidates:
-        shape, clamp = one.candidate, one.ends.clamp.to_dict()
-        values = {
-            **{"file": file, "loop": hairpin.name, "kind": hairpin.kind},
-            **{"closing_pair": hairpin.label, "sequence": hairpin.sequence},
-            **{"nucleotides": len(hairpin), "spread_A": loop.spread_A, **clamp},
-            **{"rank": shape.rank, "rank_by_EL": one.rank_by_EL, "is_rule": one.is_rule},
-            **{"length_A": shape.length_A, "free_nucleotides": one.ends.n_free},
-            **{"energy_per_A": shape.energy_per_A, "energy_dimensionless": shape.line.energy},
-            **{"stable": shape.stable, "residual": shape.residual, "rmsd_A": shape.rmsd_A},
-            "touching": shape.contacts.touching,
-            "stem_contact_A": finite(shape.contacts.stem_A),
-            "self_contact_A": finite(shape.contacts.self_A),
-        }
-        rows.append({name: values[name] for name in SCAN_COLUMNS})
-    return rows
 
 
 def library_rows(library: "Library") -> list[dict[str, Any]]:

@@ -19,6 +19,15 @@ from loopelastica.molecule.hairpins import Hairpin
 LINE_POINTS = 101
 """Points of line.csv and of the plots, per candidate."""
 
+SCAN_COLUMNS = (
+    *("file", "loop", "kind", "closing_pair", "sequence", "nucleotides", "spread_A"),
+    *("rank", "rank_by_EL", "is_rule", "stem_extend_5", "stem_extend_3", "taper"),
+    *("length_per_nucleotide_A", "length_A", "free_nucleotides", "energy_per_A"),
+    *("energy_dimensionless", "stable", "residual", "touching", "stem_contact_A"),
+    *("self_contact_A", "rmsd_A"),
+)
+"""Columns of scan.csv."""
+
 ATOMS_COLUMNS = (
     *("atoms_sound", "atoms_worst_bond_A", "atoms_worst_angle_deg", "atoms_closest_A"),
     "atoms_rmsd_A",
