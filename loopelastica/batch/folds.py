@@ -10,6 +10,7 @@ from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import read_structure
+from loopelastica.molecule.setting import Settings
 from loopelastica.report.folder import Folders, is_there, write_fold
 from loopelastica.report.records import ATOMS_COLUMNS, candidate_row
 
@@ -35,7 +36,7 @@ def fold_file(task: Task) -> Record:
     checked = FoldOptions(**options)
     structure = read_structure(source, checked.limits)
     loops = fold_hairpins(structure, find_hairpins(structure, **checked.selection), checked)
-    folders = Folders(Path(task.out), task.number)
+    folders, settings = Folders(Path(task.out), task.number), Settings(structure)
     rows: list[dict[str, Any]] = []
     failures: list[str] = []
     record: Record = {"rows": rows, "failures": failures}
@@ -48,7 +49,9 @@ def fold_file(task: Task) -> Record:
             continue
         folder = folders.claim(source, loop)
         try:
-            record["folder_key"] = write_fold(folder, source, loop, structure, plot=plot)
+            record["folder_key"] = write_fold(
+                folder, source, loop, structure, plot=plot, settings=settings
+            )
         except FileExistsError as error:
             failures.append(str(error))
             record["refused"] = True

@@ -254,6 +254,7 @@ def _fold_file(
     from loopelastica.folding.fold import fold_hairpins
     from loopelastica.molecule.hairpins import find_hairpins
     from loopelastica.molecule.nucleotides import read_structure
+    from loopelastica.molecule.setting import Settings
     from loopelastica.report.folder import write_fold
     from loopelastica.report.listing import remarks
     from loopelastica.report.pdb import WHOLE_ATOMS, WholeStructure, renamed
@@ -267,6 +268,7 @@ def _fold_file(
     small = len(structure.universe.atoms) <= WHOLE_ATOMS
     with_whole = small if output.whole is None else output.whole
     full = WholeStructure(structure) if loops and with_whole else None
+    settings = Settings(structure)
     sentences += [
         f"chain {chain} is {letter} in the PDB files that are written"
         for chain, letter in renamed(structure).items()
@@ -290,7 +292,7 @@ def _fold_file(
         except LoopelasticaError as error:
             results.failed(file, f"{file}: {error}")
         try:
-            write_fold(folder, path, loop, structure, output.plot, full, built)
+            write_fold(folder, path, loop, structure, output.plot, full, built, settings)
         except FileExistsError as error:
             results.failed(file, str(error))
             results.shown.append((path.name, str(error), None))

@@ -20,9 +20,10 @@ from loopelastica._files import (
     write_json,
     write_text,
 )
-from loopelastica._names import printable, safe_name, safe_stem
+from loopelastica._names import safe_name, safe_stem
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.nucleotides import Structure, is_pdb
+from loopelastica.molecule.setting import Setting, Settings
 from loopelastica.report.pdb import (
     WholeStructure,
     bond_records,
@@ -33,6 +34,7 @@ from loopelastica.report.pdb import (
 )
 from loopelastica.report.plots import plot_fold
 from loopelastica.report.records import candidate_row, line, loop_row, ranking
+from loopelastica.report.tubes import tubes_text
 from loopelastica.report.viewers import path_from, shown_file, write_chimerax, write_pymol
 
 if TYPE_CHECKING:
@@ -88,6 +90,7 @@ def write_fold(
     plot: bool = True,
     whole: WholeStructure | None = None,
     atoms: "LoopAtoms | None" = None,
+    settings: Settings | None = None,
 ) -> dict[str, Any]:
     """Write the folder of one folded loop, whole or not at all.
 
@@ -109,6 +112,9 @@ def write_fold(
         Write whole.pdb from it.
     atoms : LoopAtoms, optional
         Write atoms.pdb, atoms.cif, loop.sdf and atoms.json from it.
+    settings : Settings, optional
+        What the settings of a structure's loops share; without them they are made anew, which
+        takes a third of a second for a ribosome.
 
     Returns
     -------
@@ -121,6 +127,7 @@ def write_fold(
         If the folder cannot be written without harm to what is there.
     """
     letter = chain_letters(structure)[fold.hairpin.chain]
+    setting = (settings or Settings(structure)).of(fold.hairpin, fold.candidates[0].trace)
     rows = [
         {**loop_row(fold), **candidate_row(c), **(atoms.columns(c.rank) if atoms else {})}
         for c in fold.candidates
@@ -129,23 +136,19 @@ def write_fold(
         write_csv(part / "ranking.csv", rows)
         write_csv(part / "line.csv", _line_rows(fold))
         _write_traces(part / "traces.pdb", fold, structure, letter)
-        seen = path_from(path, source) if isinstance(source, Path) else None
-        if isinstance(source, Path):
-            # a PDB file has no longer chain names: there they are those of segments
-            chain = fold.hairpin.chain
-            shown = "" if is_pdb(source) and len(chain) > 1 else chain
-            file = shown_file(part, source)
-            write_pymol(part / "view.pml", fold, file, shown)
-            write_chimerax(part / "view.cxc", fold, file, shown, structure.n_models)
+        write_text(part / "tubes.pdb", tubes_text(fold, structure, setting, letter))
         if whole is not None:
             whole.write(part / "whole.pdb", fold)
         if atoms is not None:
             from loopelastica.report.atoms import write_atoms
 
             write_atoms(part, atoms, source)
+        seen = path_from(path, source) if isinstance(source, Path) else None
+        _write_scripts(part, source, fold, structure, setting, atoms)
         if plot:
             sticks = None if atoms is None else atoms.sticks(1)
-            plot_fold(fold, part / "plot.png", title=printable(path.name), sticks=sticks)
+            title = source.name if isinstance(source, Path) else "built from its sequence"
+            plot_fold(fold, part / "plot.png", title, sticks, setting)
         content = ranking(source, fold, structure.remarks)
         built = None if atoms is None else atoms.options()
         content["written"] = {
@@ -154,6 +157,29 @@ def write_fold(
         files = {MANIFEST, *(entry.name for entry in part.iterdir() if entry.name != NOTE)}
         write_json(part / MANIFEST, {**content, "files": sorted(files)})
     return {name: content[name] for name in _KEY}
+
+
+def _write_scripts(
+    part: Path,
+    source: Path | str,
+    fold: LoopFold,
+    structure: Structure,
+    setting: Setting,
+    atoms: "LoopAtoms | None",
+) -> None:
+    """Write view.pml and view.cxc; of a hairpin from its sequence they show atoms.pdb."""
+    ranks = [] if atoms is None else [model.rank for model in atoms.written]
+    chain, n_models = fold.hairpin.chain, structure.n_models
+    if isinstance(source, Path):
+        file = shown_file(part, source)
+        # a PDB file has no longer chain names: there they are those of segments
+        chain = "" if is_pdb(source) and len(chain) > 1 else chain
+    elif (part / "atoms.pdb").exists():
+        file, n_models = "atoms.pdb", len(ranks)
+    else:
+        return
+    write_pymol(part / "view.pml", fold, file, chain, setting, ranks)
+    write_chimerax(part / "view.cxc", fold, file, chain, n_models, setting, ranks)
 
 
 def is_there(path: Path, key: Mapping[str, Any]) -> bool:

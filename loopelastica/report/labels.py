@@ -7,7 +7,7 @@ import numpy as np
 from loopelastica._arrays import Array
 
 # distances from a point to the nearest edge of its label, in heights of a line of text
-_GAPS: Final = (0.5, 0.9, 1.4, 2.0, 2.8, 3.8, 5.0, 6.5, 8.0, 10.0)
+_GAPS: Final = (0.6, 0.9, 1.4, 2.0, 2.8, 3.8, 5.0, 6.5, 8.0, 10.0)
 _ANGLES: Final = np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False)
 # costs: a label on another, one on a point of a line, a height of a line of text further away, a
 # direction that is not outwards

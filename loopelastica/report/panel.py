@@ -9,14 +9,13 @@ from typing import Any, Final
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica._names import printable
 from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.setting import Setting
 from loopelastica.molecule.trace import smoothed_line
 from loopelastica.report.labels import label_places
 from loopelastica.report.palette import NATIVE, NEIGHBOUR, STEM, colour
 from loopelastica.report.records import LINE_POINTS
-from loopelastica.report.scene import View, smooth_strand, tube
+from loopelastica.report.scene import View, names_of, smooth_strand, tube
 
 # points (1/72 in): text of labels, width and height of a letter of it, room for labels at the sides
 TEXT: Final = 7.0
@@ -24,7 +23,6 @@ DASHES: Final = (0, (4, 2))
 _LETTER: Final = (0.62 * TEXT, 1.1 * TEXT)
 _MARGIN: Final = np.array([38.0, 20.0])
 _SCALE_BAR_A: Final = 10.0
-_LONGEST_NAME: Final = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +60,7 @@ class Shown:
     @cached_property
     def names(self) -> list[str]:
         """Closing nucleotide, nucleotides of the loop, closing nucleotide."""
-        hairpin = self.fold.hairpin
-        if self.setting is not None:
-            five, three = self.setting.names_5[-1], self.setting.names_3[0]
-        else:
-            five, three = (label.rpartition(".")[2] for label in hairpin.closing_pair)
-        parts = zip(hairpin.sequence[1:-1], hairpin.resid, hairpin.icode, strict=True)
-        names = [five, *(f"{letter}{number}{code}" for letter, number, code in parts), three]
-        return [printable(name)[:_LONGEST_NAME] for name in names]
+        return names_of(self.fold, self.setting)
 
     @cached_property
     def closing_A(self) -> Array:
@@ -99,6 +90,8 @@ class Shown:
         parts = [*self.tubes, *self.strands, self.closing_A]
         if self.native is not None:
             parts.append(self.native)
+        if self.sticks is not None:
+            parts.append(self.sticks.reshape(-1, 3))
         points = np.concatenate(parts)
         return points[np.isfinite(points).all(axis=1)]
 
@@ -224,7 +217,7 @@ class Panel:
             names = ["5′", *names, "3′"]
             where = [shown.strands[0][:1], *where, shown.strands[1][-1:]]
         points = self._flat(np.concatenate(where))
-        known = np.isfinite(points).all(axis=1)
+        known = np.asarray(np.isfinite(points).all(axis=1))
         points, names = points[known], [n for n, k in zip(names, known, strict=True) if k]
         sizes = np.array([[len(name) * _LETTER[0], _LETTER[1]] for name in names]) / scale
         loop = self._flat(np.concatenate([shown.tubes[0], shown.closing_A]))

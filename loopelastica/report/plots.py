@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
 _SIZE_IN: Final = (12.6, 5.0)
 # lower left corner, width and height of the panels, in parts of the picture
-_FRONT: Final = (0.005, 0.02, 0.335, 0.86)
-_SIDE: Final = (0.345, 0.02, 0.335, 0.86)
-_CURVATURE: Final = (0.735, 0.60, 0.255, 0.28)
-_KEY: Final = (0.69, 0.0, 0.305, 0.49)
+_FRONT: Final = (0.005, 0.02, 0.325, 0.86)
+_SIDE: Final = (0.335, 0.02, 0.325, 0.86)
+_CURVATURE: Final = (0.715, 0.60, 0.275, 0.28)
+_KEY: Final = (0.67, 0.0, 0.325, 0.49)
 # the key: height of a row in points (1/72 in), where its columns begin, rows, letters of a shape
 _ROW: Final = 10.6
-_COLUMNS: Final = (0.08, 0.67, 0.885)
+_COLUMNS: Final = (0.075, 0.64, 0.89)
 _MOST_ROWS: Final = 10
 _LONGEST_SHAPE: Final = 34
 _MOST_TICKS: Final = 10
@@ -160,7 +160,9 @@ def _draw_key(axes: Any, shown: Shown) -> None:
     def write(x: float, row: float, text: str, **options: Any) -> None:
         _plain(axes.text(x, -_ROW * (row + 0.5), text, fontsize=TEXT, va="center", **options))
 
-    for x, text in zip(_COLUMNS, ("candidate", "expected (Å)", "RMSD (Å)"), strict=True):
+    known = any(candidate.rmsd_A is not None for candidate in fold.candidates)
+    heads = ("candidate", "expected error (Å)", "RMSD (Å)" if known else "")
+    for x, text in zip(_COLUMNS, heads, strict=True):
         write(x, 0, text, color="0.3")
     for row, candidate in enumerate(fold.candidates[:_MOST_ROWS], start=1):
         y, first = -_ROW * (row + 0.5), candidate.rank == 1

@@ -21,6 +21,7 @@ from loopelastica.molecule.setting import Setting
 # points of a line, and of the joint between it and the stem
 _DENSE: Final = 401
 _JOINT: Final = 8
+_LONGEST_NAME: Final = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +40,17 @@ class View:
     across: Array
     up: Array
     towards: Array
+
+    def broadside(self, points: Array) -> View:
+        """The same turned about the vertical, so that the points (n, 3) spread from side to side.
+
+        It turns by a right angle at most, either way.
+        """
+        beside = (points - points.mean(axis=0)) @ np.column_stack([self.across, self.towards])
+        x, y = np.linalg.eigh(beside.T @ beside)[1][:, -1]
+        sign = 1.0 if x >= 0.0 else -1.0
+        across = sign * (x * self.across + y * self.towards)
+        return View(self.middle_A, across, self.up, np.cross(across, self.up))
 
 
 def view_of(fold: LoopFold, setting: Setting | None = None) -> View:
@@ -59,8 +71,7 @@ def view_of(fold: LoopFold, setting: Setting | None = None) -> View:
     start, end = fold.ends.start_origin_A, fold.ends.end_origin_A
     middle = 0.5 * (start + end)
     if setting is not None and len(setting.strand_5_A) > 1:
-        pairs = 0.5 * (setting.strand_5_A + setting.strand_3_A[::-1])
-        axis = pairs[-1] - pairs[0]
+        axis = _stem_axis(setting)
         if np.linalg.norm(axis) > 1e-6:
             up = axis / np.linalg.norm(axis)
             across = _perpendicular(end - start, up)
@@ -68,6 +79,19 @@ def view_of(fold: LoopFold, setting: Setting | None = None) -> View:
     across = (end - start) / np.linalg.norm(end - start)
     up = _perpendicular(fold.candidates[0].trace.mean(axis=0) - middle, across)
     return View(middle, across, up, np.cross(across, up))
+
+
+def _stem_axis(setting: Setting) -> Array:
+    """Along the helix, towards the loop; not finite where a strand is not whole."""
+    strands = (setting.strand_5_A, setting.strand_3_A[::-1])
+    pairs = 0.5 * (strands[0] + strands[1])
+    along = pairs[-1] - pairs[0]
+    # second differences of a helix point at its axis, and two of them are across it (P. C. Kahn,
+    # Computers Chem. 13 (1989) 185); the middles of pairs wind around it themselves
+    inwards = [np.diff(strand, 2, axis=0) for strand in strands]
+    axis = sum((np.cross(v[:-1], v[1:]).sum(axis=0) for v in inwards), np.zeros(3))
+    turns = float(axis @ along)
+    return along if len(pairs) < 4 or turns == 0.0 else np.asarray(axis * np.sign(turns))
 
 
 def _perpendicular(vector: Array, axis: Array) -> Array:
@@ -124,6 +148,30 @@ def _joint(stem_A: Array, end_A: Array, tangent: Array) -> Array:
     slope = tangent / np.linalg.norm(tangent) * np.linalg.norm(chord)
     # the parabola through both points with that tangent at its end
     return np.asarray(stem_A + (2.0 * t - t**2) * chord + (t**2 - t) * slope)
+
+
+def names_of(fold: LoopFold, setting: Setting | None = None) -> list[str]:
+    """Closing nucleotide, nucleotides of the loop and closing nucleotide, such as "C5".
+
+    Parameters
+    ----------
+    fold : LoopFold
+    setting : Setting, optional
+        Whose names the closing ones get; without it they are as in labels, such as "DC5".
+
+    Returns
+    -------
+    list of str
+        Printable and short.
+    """
+    hairpin = fold.hairpin
+    if setting is not None:
+        five, three = setting.names_5[-1], setting.names_3[0]
+    else:
+        five, three = (label.rpartition(".")[2] for label in hairpin.closing_pair)
+    parts = zip(hairpin.sequence[1:-1], hairpin.resid, hairpin.icode, strict=True)
+    names = [five, *(f"{letter}{number}{code}" for letter, number, code in parts), three]
+    return [printable(name)[:_LONGEST_NAME] for name in names]
 
 
 def short_shape(candidate: Candidate, most: int) -> str:
