@@ -50,8 +50,10 @@ def label_places(
         cost = _AWAY * np.broadcast_to(_GAPS, reach.shape) + _INWARDS * (1.0 - rays @ out)[:, None]
         inside = (tried - 0.5 * size >= box[0]) & (tried + 0.5 * size <= box[1])
         cost = cost + 10.0 * _ON_LABEL * ~inside.all(axis=2)
-        covered = np.abs(tried[:, :, None] - obstacles) < 0.5 * size + 0.15 * size[1]
-        cost += _ON_LINE * covered.all(axis=3).sum(axis=2)
+        half = 0.5 * size + 0.15 * size[1]
+        covered = np.abs(tried[:, :, :1] - obstacles[:, 0]) < half[0]
+        covered &= np.abs(tried[:, :, 1:] - obstacles[:, 1]) < half[1]
+        cost += _ON_LINE * np.count_nonzero(covered, axis=2)
         near = np.abs(tried[:, :, None] - places[:k]) < 0.5 * (size + sizes[:k]) + 0.05 * size[1]
         cost += _ON_LABEL * near.all(axis=3).sum(axis=2)
         best = np.unravel_index(np.argmin(cost), cost.shape)

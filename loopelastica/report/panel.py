@@ -22,6 +22,8 @@ TEXT: Final = 7.0
 DASHES: Final = (0, (4, 2))
 _LETTER: Final = (0.62 * TEXT, 1.1 * TEXT)
 _MARGIN: Final = np.array([38.0, 20.0])
+# points of lines that labels keep off: a third are near enough to each other
+_SPARSE: Final = 3
 _SCALE_BAR_A: Final = 10.0
 
 
@@ -226,11 +228,14 @@ class Panel:
         out[[name in "5′3′" for name in names]] = 0.0, -1.0
         out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-9)
         rungs = [np.linspace(pair[0], pair[1], 30) for pair in shown.rungs]
-        lines = [self._flat(line) for line in [*shown.tubes, *shown.strands, *rungs]]
+        tubes = [line[::_SPARSE] for line in shown.tubes]
+        lines = [self._flat(line) for line in [*tubes, *shown.strands, *rungs]]
         # the first line and the file's count twice
-        lines += [lines[0]] + ([self._flat(shown.native)] * 2 if shown.native is not None else [])
-        margin = 2.0 / scale
-        room = (self._low + margin, self._high - margin)
+        lines += [lines[0]] + (
+            [self._flat(shown.native[::_SPARSE])] * 2 if shown.native is not None else []
+        )
+        # above the scale bar
+        room = (self._low + np.array([2.0, 20.0]) / scale, self._high - 2.0 / scale)
         places = label_places(points, sizes, out, np.concatenate(lines), room)
         for name, point, place, size in zip(names, points, places, sizes, strict=True):
             of_loop = name in shown.names[1:-1]

@@ -29,7 +29,7 @@ _SIZE_IN: Final = (12.6, 5.0)
 # lower left corner, width and height of the panels, in parts of the picture
 _FRONT: Final = (0.005, 0.02, 0.325, 0.86)
 _SIDE: Final = (0.335, 0.02, 0.325, 0.86)
-_CURVATURE: Final = (0.715, 0.60, 0.275, 0.28)
+_CURVATURE: Final = (0.715, 0.60, 0.268, 0.28)
 _KEY: Final = (0.67, 0.0, 0.325, 0.49)
 # the key: height of a row in points (1/72 in), where its columns begin, rows, letters of a shape
 _ROW: Final = 10.6

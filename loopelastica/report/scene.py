@@ -74,7 +74,7 @@ def view_of(fold: LoopFold, setting: Setting | None = None) -> View:
         axis = _stem_axis(setting)
         if np.linalg.norm(axis) > 1e-6:
             up = axis / np.linalg.norm(axis)
-            across = _perpendicular(end - start, up)
+            across = _perpendicular(setting.strand_3_A[0] - setting.strand_5_A[-1], up)
             return View(middle, across, up, np.cross(across, up))
     across = (end - start) / np.linalg.norm(end - start)
     up = _perpendicular(fold.candidates[0].trace.mean(axis=0) - middle, across)

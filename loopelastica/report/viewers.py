@@ -29,12 +29,12 @@ from loopelastica.report.tubes import TUBE
 # A minus sign that PyMOL does not take for a range.
 _MINUS = "\\"
 # How near to the first line the structure's cartoon is shown, and its atoms as lines, Å.
-_CARTOON_A = 30.0
+_CARTOON_A = 20.0
 # Radii of tubes, the first and the others, and of the nucleotides' points, Å.
 _RADII = (0.45, 0.15)
 _POINT_A = 0.9
-# How far from its nucleotide a name stands, Å.
-_LABEL_A = 2.2
+# How far from its nucleotide a name stands: of the extent of the loop, and at least so many Å.
+_LABEL, _LABEL_A = 0.08, 2.2
 
 
 def write_pymol(
@@ -249,7 +249,8 @@ def _labels(fold: LoopFold, setting: Setting | None, view: View) -> list[tuple[s
     out -= np.outer(out @ view.towards, view.towards)
     out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-6)
     names = [_plain(name) for name in names_of(fold, setting)]
-    return list(zip(names, (points + _LABEL_A * out).tolist(), strict=True))
+    away = max(_LABEL_A, _LABEL * float(np.ptp(points, axis=0).max()))
+    return list(zip(names, (points + away * out).tolist(), strict=True))
 
 
 def _headline(fold: LoopFold) -> str:
