@@ -163,7 +163,7 @@ def _pdb_text(structure: Structure, points_A: Array) -> str:
     from scipy.spatial import KDTree
 
     positions, atoms = structure.positions(0), structure.universe.atoms
-    known = np.isfinite(positions).all(axis=1)
+    known = np.asarray(np.isfinite(positions).all(axis=1))
     distance, _ = KDTree(points_A).query(
         np.where(known[:, None], positions, 1e9), distance_upper_bound=_NEAR_A
     )

@@ -126,10 +126,10 @@ def write_pymol(
                 *([f"disable {name}"] if rank > 1 else []),
             ]
     for label, (x, y, z) in _labels(fold, setting, view):
-        lines.append(f'pseudoatom names, pos=[{x:.3f}, {y:.3f}, {z:.3f}], label="{label}"')
+        lines.append(f'pseudoatom names, pos=({x:.3f}, {y:.3f}, {z:.3f}), label="{label}"')
     lines += [
         "hide wire, names",
-        "set label_position, [0, 0, 3]",
+        "set label_position, (0, 0, 3)",
         "set label_color, black",
         "set label_size, 18",
         "set label_outline_color, white",
@@ -228,10 +228,10 @@ def _object(candidate: Candidate) -> str:
 
 
 def _figures(candidate: Candidate) -> str:
-    """Energy and expected error in signs that mean nothing to a viewer."""
+    """Energy and expected error in signs that mean nothing to a viewer; its log says "error" of its own only."""
     low, middle, high = candidate.expected_rmsd_A
     return (
-        f"E/K0 {candidate.energy_per_A:.4f} 1/A  expected error {middle:.1f} A"
+        f"E/K0 {candidate.energy_per_A:.4f} 1/A  expected RMSD {middle:.1f} A"
         f" {low:.1f} to {high:.1f} in 80 of 100"
     )
 
