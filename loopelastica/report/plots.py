@@ -6,7 +6,6 @@ third panel the curvature along the loop, and beside it stands what each line is
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -55,11 +54,7 @@ def plot_fold(
     path : Path
         The picture; its suffix decides the format.
     """
-    figure = draw_fold(fold, setting, title, sticks)
-    with warnings.catch_warnings():
-        # letters of a name that the font lacks are drawn as boxes
-        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-        figure.savefig(path, dpi=120)
+    draw_fold(fold, setting, title, sticks).savefig(path)
 
 
 def draw_fold(
@@ -84,12 +79,18 @@ def draw_fold(
     Returns
     -------
     matplotlib.figure.Figure
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+        It shows itself in a notebook; ``savefig`` saves it.
 
-    figure = Figure(figsize=_SIZE_IN)
-    FigureCanvasAgg(figure)
+    Raises
+    ------
+    ValueError
+        If `fold` has no candidates.
+    """
+    if not fold.candidates:
+        raise ValueError(f"`fold` has no candidates to draw: {fold.failure}")
+    from loopelastica.report.picture import Picture
+
+    figure = Picture(figsize=_SIZE_IN, dpi=120)
     shown = Shown(fold, setting, sticks)
     view = view_of(fold, setting)
     sides = (

@@ -228,7 +228,10 @@ def _object(candidate: Candidate) -> str:
 
 
 def _figures(candidate: Candidate) -> str:
-    """Energy and expected error in signs that mean nothing to a viewer; its log says "error" of its own only."""
+    """Energy and expected error in signs that mean nothing to a viewer.
+
+    A log that says "error" says it of the viewer, hence the other word.
+    """
     low, middle, high = candidate.expected_rmsd_A
     return (
         f"E/K0 {candidate.energy_per_A:.4f} 1/A  expected RMSD {middle:.1f} A"

@@ -165,9 +165,9 @@ def test_no_name_of_a_shape_is_a_command(tmp_path, fold):
 def test_a_hairpin_from_its_sequence_is_seen_with_its_atoms(tmp_path):
     from loopelastica.report.atoms import LoopAtoms
 
-    built = le.build("GGCAC(UUCG)GUGCC", max_candidates=2)
+    built = le.build("GGCAC(UUCG)GUGCC", candidates=2)
     hairpin = built.hairpin
-    atoms = LoopAtoms(hairpin.structure, hairpin.fold, tuple(built.models), hairpin.positions_A)
+    atoms = LoopAtoms(hairpin.structure, hairpin.fold, built.models, hairpin.positions_A)
     write_fold(tmp_path / "a", "GGCAC(UUCG)GUGCC", hairpin.fold, hairpin.structure, False, None,
                atoms)  # fmt: skip
     lines = (tmp_path / "a" / "view.pml").read_text().splitlines()
