@@ -166,7 +166,8 @@ class LoopFold(Record):
         from loopelastica.report.notebook import view_fold
 
         self.check_folded()
-        return view_fold(self, setting=self.setting())
+        structure = self.structure()
+        return view_fold(self, structure)
 
     def check_folded(self) -> None:
         """Refuse a loop without candidates.

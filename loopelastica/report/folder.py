@@ -36,6 +36,7 @@ from loopelastica.report.pdb import (
 )
 from loopelastica.report.plots import plot_fold
 from loopelastica.report.records import candidate_row, line, loop_row, ranking
+from loopelastica.report.tubes import tubes_text
 from loopelastica.report.viewers import path_from, shown_file, write_chimerax, write_pymol
 
 if TYPE_CHECKING:
@@ -132,6 +133,7 @@ def write_fold(
         If the folder cannot be written without harm to what is there.
     """
     letter = chain_letters(structure)[fold.hairpin.chain]
+    setting = (settings or Settings(structure)).of(fold.hairpin, fold.candidates[0].trace)
     rows = [
         {**loop_row(fold), **candidate_row(c), **(atoms.columns(c.rank) if atoms else {})}
         for c in fold.candidates
@@ -140,23 +142,19 @@ def write_fold(
         write_csv(part / "ranking.csv", rows)
         write_csv(part / "line.csv", _line_rows(fold))
         _write_traces(part / "traces.pdb", fold, structure, letter)
-        seen = path_from(path, source) if isinstance(source, Path) else None
-        file = _shown(part, source, structure)
-        if file is not None:
-            # a PDB file has no longer chain names: there they are those of segments
-            chain = fold.hairpin.chain
-            shown = "" if is_pdb(Path(file)) and len(chain) > 1 else chain
-            write_pymol(part / "view.pml", fold, file, shown)
-            write_chimerax(part / "view.cxc", fold, file, shown, structure.n_models)
+        write_text(part / "tubes.pdb", tubes_text(fold, structure, setting, letter))
         if whole is not None:
             whole.write(part / "whole.pdb", fold)
         if atoms is not None:
             from loopelastica.report.atoms import write_atoms
 
             write_atoms(part, atoms, _named(source))
+        seen = path_from(path, source) if isinstance(source, Path) else None
+        _write_scripts(part, source, fold, structure, setting, atoms)
         if plot:
             sticks = None if atoms is None else atoms.sticks(1)
-            plot_fold(fold, part / "plot.png", title=printable(path.name), sticks=sticks)
+            title = source.name if isinstance(source, Path) else _origin(source)
+            plot_fold(fold, part / "plot.png", title, sticks, setting)
         content = ranking(source, fold, structure.remarks)
         built = None if atoms is None else atoms.options()
         content["written"] = {
@@ -165,7 +163,6 @@ def write_fold(
         }  # fmt: skip
         files = {MANIFEST, *(entry.name for entry in part.iterdir() if entry.name != NOTE)}
         if report:
-            setting = (settings or Settings(structure)).of(fold.hairpin, fold.candidates[0].trace)
             _write_scene(part / SCENE, fold, setting, atoms, content, files)
             files.add(SCENE)
         write_json(part / MANIFEST, {**content, "files": sorted(files)})
@@ -190,6 +187,35 @@ def _named(source: Path | str | Mapping[str, Any]) -> Path | str | None:
         sequence = source.get("sequence")
         return None if sequence is None else str(sequence)
     return source
+
+
+def _origin(source: str | Mapping[str, Any]) -> str:
+    """What a picture says of a loop that is from no file."""
+    built = isinstance(source, str) or "sequence" in source
+    return "built from its sequence" if built else "universe"
+
+
+def _write_scripts(
+    part: Path,
+    source: Path | str | Mapping[str, Any],
+    fold: LoopFold,
+    structure: Structure,
+    setting: Setting,
+    atoms: "LoopAtoms | None",
+) -> None:
+    """Write view.pml and view.cxc; of a hairpin from its sequence they show atoms.pdb."""
+    ranks = [] if atoms is None else [model.rank for model in atoms.written]
+    chain, n_models = fold.hairpin.chain, structure.n_models
+    file = _shown(part, source, structure)
+    if file is not None:
+        # a PDB file has no longer chain names: there they are those of segments
+        chain = "" if is_pdb(Path(file)) and len(chain) > 1 else chain
+    elif (part / "atoms.pdb").exists():
+        file, n_models = "atoms.pdb", len(ranks)
+    else:
+        return
+    write_pymol(part / "view.pml", fold, file, chain, setting, ranks)
+    write_chimerax(part / "view.cxc", fold, file, chain, n_models, setting, ranks)
 
 
 def is_there(path: Path, key: Mapping[str, Any]) -> bool:
