@@ -87,6 +87,11 @@ def test_the_columns_of_a_run_are_the_documented_ones(folded, filled):
         assert written(run_folder / "failures.csv") == documented("`failures.csv`")
 
 
+def test_the_columns_of_a_scan_are_the_documented_ones(tmp_path):
+    run("scan", SOURCE, "-o", tmp_path / "scan.csv")
+    assert written(tmp_path / "scan.csv") == documented("`scan.csv`")
+
+
 def test_the_columns_of_evaluations_and_libraries_are_the_documented_ones():
     assert list(LOOP_COLUMNS) == documented("`loops.csv` of `evaluate`")
     assert list(LIBRARY_COLUMNS) == documented("`loops.csv` of `library build`")

@@ -307,7 +307,7 @@ class Equilibrium(Record):
         return self.loads[3:] + np.cross(self.loads[:3], self.centerline(n))
 
     def curvature(self, n: int | ArrayLike) -> Array:
-        """Curvature |κ(s)| along the rod: the moment across the tangent (eq. 4).
+        """Curvature ``|κ(s)|`` along the rod: the moment across the tangent (eq. 4).
 
         Parameters
         ----------
