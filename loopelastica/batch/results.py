@@ -23,8 +23,10 @@ from loopelastica.folding.options import Options, option
 from loopelastica.folding.result import LoopFold
 from loopelastica.folding.source import FileSource, Snapshot
 from loopelastica.molecule.nucleotides import Structure
+from loopelastica.molecule.setting import Settings
 from loopelastica.report.atoms import LoopAtoms
 from loopelastica.report.folder import Folders, write_fold
+from loopelastica.report.page.write import check_available, is_available, renew_report
 from loopelastica.report.pdb import WHOLE_ATOMS, WholeStructure
 
 _OF_ATOMS = ("contact", "hydrogens", "names", "no_5_phosphate", "separate")
@@ -57,14 +59,22 @@ class WriteOptions(Options):
     no_5_phosphate: bool = option(False, flag)
     separate: bool = option(False, flag)
     plot: bool = option(True, flag)
+    report: bool | None = option(None, optional(flag))
     whole: bool | None = option(None, optional(flag))
 
     def __post_init__(self) -> None:
         Options.__post_init__(self)
         defaults = {item.name: item.default for item in fields(self)}
+        if self.report:
+            check_available()
         for name in _OF_ATOMS:
             if self.atoms is False and getattr(self, name) != defaults[name]:
                 raise ValueError(f"`{name}` needs `atoms`")
+
+    @property
+    def has_report(self) -> bool:
+        """Whether what report.html shows is written."""
+        return is_available() if self.report is None else self.report
 
     @classmethod
     def given(cls, options: Mapping[str, Any]) -> WriteOptions:
@@ -79,6 +89,7 @@ class _Writer:
     def __init__(self, source: FileSource | Snapshot, structure: Structure) -> None:
         self.source, self.structure = source, structure
         self._whole: WholeStructure | None = None
+        self._settings = Settings(structure)
 
     def folder(self, folders: Folders, fold: LoopFold) -> Path:
         """The folder of one loop."""
@@ -99,6 +110,8 @@ class _Writer:
             options.plot,
             self._full(options.whole),
             atoms,
+            self._settings,
+            options.has_report,
         )
 
     def atoms(self, fold: LoopFold, options: WriteOptions) -> LoopAtoms | None:
@@ -198,6 +211,7 @@ def write_folds(
         finally:
             # what is done has its rows, however it ends
             tables.write(place)
+            renew_report(place, options.has_report)
     return place
 
 

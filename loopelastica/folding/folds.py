@@ -80,7 +80,8 @@ class Folds(list[LoopFold]):
             Folder for results.
         **options
             Those of :meth:`LoopFold.write`, such as ``atoms=True``. The atoms of each loop are
-            built: models that are there already cannot be given.
+            built: models that are there already cannot be given. With ``report``, the default where
+            plotly is installed, report.html shows all loops.
 
         Returns
         -------

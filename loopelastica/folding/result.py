@@ -216,6 +216,7 @@ class LoopFold(Record):
         no_5_phosphate: bool = False,
         separate: bool = False,
         plot: bool = True,
+        report: bool | None = None,
         whole: bool | None = None,
     ) -> Path:
         """Write the loop's folder, with the files that ``loopelastica fold`` writes of it.
@@ -239,6 +240,9 @@ class LoopFold(Record):
             Write files of their own for each candidate's atoms too.
         plot : bool
             Draw plot.png.
+        report : bool, optional
+            Write scene.js, from which :func:`loopelastica.write_report` makes a page of the folder
+            for results; default: where plotly is installed (extra ``report``).
         whole : bool, optional
             Write whole.pdb, the structure with the first line in it; default: up to 20,000 atoms.
 
@@ -269,6 +273,7 @@ class LoopFold(Record):
                 no_5_phosphate=no_5_phosphate,
                 separate=separate,
                 plot=plot,
+                report=report,
                 whole=whole,
             ),
         )
