@@ -17,7 +17,7 @@ Row = Mapping[str, Any]
 
 IN_FULL: Final = 3
 """Loops of a run up to which all candidates of each are shown."""
-SHOWN: Final = 12
+SHOWN: Final = 30
 """Loops that are shown of a longer run, with the first candidate of each."""
 
 _EXPECTED: Final = "expected\nerror (Å)"
@@ -31,7 +31,7 @@ def fold_screen(
     """What was folded, how, how good it may be, and where it is.
 
     Up to three loops are shown with all their candidates, of more the first candidate of each, of
-    hundreds the first dozen.
+    many the first thirty.
 
     Parameters
     ----------
