@@ -51,7 +51,7 @@ def test_fold_writes_one_folder_per_hairpin(folded):
     names = {p.name for p in folder.iterdir()}
     assert names == {
         *("ranking.csv", "ranking.json", "traces.pdb", "line.csv", "plot.png"),
-        *("whole.pdb", "view.pml", "view.cxc"),
+        *("whole.pdb", "view.pml", "view.cxc", "tubes.pdb"),
     }
     assert {p.name for p in folder.parent.iterdir()} == {"2koc_A6-9", "summary.csv", "failures.csv"}
     assert "CUUCGG" in result.output

@@ -35,7 +35,10 @@ def out(tmp_path):
 
 
 def test_a_library_is_built_listed_and_built_again(out):
-    result = run("build", KOC.parent, "-o", out)
+    folder = out.parent / "structures"
+    folder.mkdir()
+    (folder / KOC.name).write_bytes(KOC.read_bytes())
+    result = run("build", folder, "-o", out)
     assert (result.exit_code, said(result)) == (0, [])
     assert " ".join(result.stdout.split()) == f"1 file (0 done before), 1 loop in {out}"
     content = out.read_bytes()
