@@ -203,7 +203,9 @@ def _end(
         screen.show(
             "",
             f"Written to {out}: a folder per hairpin, with atoms.pdb, atoms.cif and ranking.csv,"
-            " and summary.csv, a row per candidate." + o.page_text(page),
+            " and summary.csv, a row per candidate."
+            + o.page_text(page)
+            + o.failures_text(len(failures)),
         )
     notes = [
         f"{built.name}: {remark}"

@@ -135,19 +135,21 @@ def _end(screen: Screen, files: list[str], out: Path, done: "Run", notes: list[s
         )
     shown = ({**row, "file": Path(row["file"]).name} for row in done.rows)
     screen.show(*fill_screen(shown, str(out)))
-    written = [
-        (record["file"], record["folder"]) for record in done.records if record.get("folder_key")
-    ]
+    records = [record for record in done.records if record.get("folder_key")]
+    written = [(record["file"], record["folder"]) for record in records]
     if written:
         screen.show(
             "",
             f"Written to {out}: a folder per file, with fill.json and, where anything was built,"
             " filled.pdb or filled.cif, and summary.csv, a row per strand."
-            + o.page_text(done.page),
+            + o.page_text(done.page)
+            + o.failures_text(len(done.failed)),
         )
     # what a model is not good for stands before what was chosen in reading
     told = sorted(done.notes, key=lambda sentence: "not sound" not in sentence)
-    screen.note([*notes, *told], "in the files' fill.json", files)
+    known = [{"folder": record["folder"]} for record in records]
+    earlier = o.of_earlier_runs(out, known, "fill.json")
+    screen.note([*notes, *told, *earlier], "in the files' fill.json", files)
     screen.end(
         fill_documents(out, written) if screen.as_json else (),
         done.failed,

@@ -13,7 +13,7 @@ from loopelastica.cli.program import in_options
 from loopelastica.cli.screen import Screen
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from loopelastica.batch.folds import Written
     from loopelastica.batch.run import Row
@@ -257,7 +257,7 @@ def _end(
     options: "FoldOptions",
     rows: "Sequence[Row]",
     notes: list[str],
-    failures: "Iterable[Row]",
+    failures: "Sequence[Row]",
     page: Path | None,
 ) -> None:
     """Say what was folded and what was not."""
@@ -270,25 +270,15 @@ def _end(
         screen.show(
             "",
             f"Written to {out}: a folder per loop, with ranking.csv, traces.pdb and view.pml for"
-            " PyMOL, and summary.csv, a row per candidate." + o.page_text(page),
+            " PyMOL, and summary.csv, a row per candidate."
+            + o.page_text(page)
+            + o.failures_text(len(failures)),
         )
-    screen.note([*notes, *_of_earlier_runs(out, rows)], "in the loops' ranking.json", files)
+    screen.note([*notes, *o.of_earlier_runs(out, rows)], "in the loops' ranking.json", files)
     screen.end(
         fold_documents(out, rows) if screen.as_json else (),
-        list(failures),
+        failures,
         f"in {out / 'failures.csv'}",
         parameters=options.to_dict(),
         folder=str(out),
     )
-
-
-def _of_earlier_runs(out: Path, rows: "Iterable[Row]") -> list[str]:
-    """A note that names what lies in the folder besides the results of this run."""
-    from loopelastica.molecule.nucleotides import enumerated
-    from loopelastica.report.folder import other_folds
-
-    others = other_folds(out, {row["folder"] for row in rows})
-    if not others:
-        return []
-    names = enumerated(others)
-    return [f"{out} holds results of earlier runs that are not in summary.csv: {names}"]

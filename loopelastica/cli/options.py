@@ -3,7 +3,7 @@
 A sentence goes to the standard error; :mod:`loopelastica.cli.program` has the exit statuses.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -293,6 +293,40 @@ def has_report(requested: bool | None) -> bool:
     if requested:
         check_available()
     return is_available() if requested is None else requested
+
+
+def of_earlier_runs(
+    out: Path, rows: Iterable[Mapping[str, Any]], manifest: str = "ranking.json"
+) -> list[str]:
+    """A note that names what lies in the folder besides the results of this run.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the run.
+    rows : iterable of mapping
+        Those of its table.
+    manifest : str
+        File that each folder of a result has.
+
+    Returns
+    -------
+    list of str
+    """
+    from loopelastica.molecule.nucleotides import enumerated
+    from loopelastica.report.folder import other_folders
+
+    others = other_folders(out, {row["folder"] for row in rows}, manifest)
+    if not others:
+        return []
+    names = enumerated(others)
+    return [f"{out} holds results of earlier runs that are not in summary.csv: {names}"]
+
+
+def failures_text(count: int) -> str:
+    """What is said of failures behind the files that were written."""
+    rows = "1 row" if count == 1 else f"{count} rows"
+    return f" What failed is in failures.csv, {rows}." if count else ""
 
 
 def page_text(page: Path | None) -> str:

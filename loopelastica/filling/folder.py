@@ -29,6 +29,7 @@ STRAND_COLUMNS: Final = (
     *("status", "reason", "sound", "expected_10_A", "expected_rmsd_A", "expected_90_A"),
     *("shape", "distance_A", "length_A", "crowding", "energy_per_A", "contact_energy_per_A"),
     *("nearest_A", "worst_bond_A", "worst_angle_deg", "closest_contact_A"),
+    "mate_A",
 )
 """Columns of tables that have a row per strand."""
 

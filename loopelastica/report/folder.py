@@ -273,8 +273,8 @@ def _write_scene(
     write_scene(path, [fold_scene(fold, setting, name, atoms, content["remarks"])], provenance)
 
 
-def other_folds(out: Path, names: Collection[str]) -> list[str]:
-    """Folders of folded files in a folder of results, other than those named.
+def other_folders(out: Path, names: Collection[str], manifest: str = MANIFEST) -> list[str]:
+    """Folders of results of files in a folder of results, other than those named.
 
     Parameters
     ----------
@@ -282,12 +282,19 @@ def other_folds(out: Path, names: Collection[str]) -> list[str]:
         Folder of results.
     names : collection of str
         Folders that are known.
+    manifest : str
+        File that each of them has.
 
     Returns
     -------
     list of str
-        Their names in order; what is not the result of a file's fold is left out.
+        Their names in order; what is no result of a file is left out.
     """
     others = sorted(f.name for f in os.scandir(out) if f.is_dir() and f.name not in names)
-    manifests = ((name, read_manifest(out / name / MANIFEST)) for name in others)
-    return [name for name, manifest in manifests if "file" in manifest.get("input", ())]
+    manifests = ((name, read_manifest(out / name / manifest)) for name in others)
+    return [name for name, found in manifests if _is_of_file(found.get("input", {}))]
+
+
+def _is_of_file(source: Mapping[str, Any] | str) -> bool:
+    """Whether the input is a file: `fill` has its name, `build` a sequence in place of a file."""
+    return isinstance(source, str) or "file" in source

@@ -3,7 +3,7 @@
 import pytest
 
 
-@pytest.fixture(scope="session", autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def _no_page_by_default():
     """As without the extra `report`; test_report.py has it again."""
     with pytest.MonkeyPatch.context() as patch:

@@ -47,7 +47,7 @@ def test_a_library_is_built_listed_and_built_again(out):
     (row,) = [line for line in listed.stdout.splitlines() if line.startswith("RNA")]
     assert row.split() == ["RNA", "4", "1", "1", "1", "UUCG", "(1)"]
     assert "1 loop shape" in listed.stdout
-    result = run("build", KOC, "-o", out)
+    result = run("build", folder / KOC.name, "-o", out)
     assert "1 file (1 done before), 1 loop in" in result.stdout
     assert out.read_bytes() == content
     assert len(load_library(out)) == 1

@@ -53,7 +53,7 @@ def fill_screen(rows: Iterable[Row], place: str) -> Iterator[Table | str]:
         "Expected error: half of such strands are nearer than the first figure, 80 % lie in the"
         " interval; it is an RMSD of backbone centroids without superposition. E/K0 is the energy"
         " of deformation, and no confidence. Sound: bonds, angles and contacts are as they should"
-        " be."
+        " be; a base may point elsewhere all the same."
     )
 
 
@@ -81,4 +81,7 @@ def _cells(models: list[Row]) -> tuple[str, ...]:
     sound = {True: "yes", False: "no", None: ""}[row["sound"]]
     if len(models) > 1:
         sound = f"{sum(r['sound'] is True for r in models)} of {len(models)}"
+    # runs before this column was written have none
+    if row.get("mate_A") is not None:
+        about += f", {row['mate_A']:.1f} Å from a mate in the crystal"
     return f"  {about}", expected, energy, sound
