@@ -1,12 +1,13 @@
 """The work of ``loopelastica fold`` on one file of many."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from loopelastica._files import write_csv
 from loopelastica.batch.journal import Record
-from loopelastica.batch.run import Work
+from loopelastica.batch.run import FAILURE_COLUMNS, Work
 from loopelastica.batch.tasks import Task
 from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.fold import fold_hairpins
@@ -15,10 +16,10 @@ from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.hairpins import find_hairpins
 from loopelastica.molecule.nucleotides import Structure, read_structure
 from loopelastica.molecule.setting import Settings
-from loopelastica.report import pdb
 from loopelastica.report.folder import Folders, is_there, write_fold
 from loopelastica.report.listing import remarks
-from loopelastica.report.pdb import WholeStructure, renamed
+from loopelastica.report.page.write import renew_report
+from loopelastica.report.pdb import WholeStructure, is_small, renamed
 from loopelastica.report.records import ATOMS_COLUMNS, candidate_row
 
 if TYPE_CHECKING:
@@ -109,8 +110,7 @@ def fold_into(folders: Folders, file: str, options: FoldOptions, written: Writte
     record: Record = {"rows": rows, "failures": failures}
     if not loops:
         failures.append(f"{file}: no hairpin loop found; nothing to fold")
-    small = len(structure.universe.atoms) <= pdb.WHOLE_ATOMS
-    with_whole = small if written.whole is None else written.whole
+    with_whole = is_small(structure) if written.whole is None else written.whole
     whole = WholeStructure(structure) if loops and with_whole else None
     settings = Settings(structure)
     for loop in loops:
@@ -133,11 +133,7 @@ def fold_into(folders: Folders, file: str, options: FoldOptions, written: Writte
             failures.append(str(error))
             record["refused"] = True
             continue
-        of_atoms = {} if atoms is None else {c.rank: atoms.figures(c.rank) for c in loop.candidates}
-        rows += [
-            {**row, **of_atoms.get(row["rank"], {}), "folder": folder.name}
-            for row in loop_rows(file, loop)
-        ]
+        rows += folder_rows(file, loop, folder, atoms)
         notes += loop.remarks
     record["notes"] = [f"{file}: {sentence}" for sentence in notes]
     return record
@@ -171,6 +167,60 @@ def loop_rows(source: Path | str, loop: LoopFold) -> list[dict[str, Any]]:
         "stem_rms_A": loop.ends.rms_A,
     }
     return [{**about, **candidate_row(candidate)} for candidate in loop.candidates]
+
+
+def folder_rows(
+    source: Path | str, loop: LoopFold, folder: Path, atoms: "LoopAtoms | None" = None
+) -> list[dict[str, Any]]:
+    """Rows of a loop whose folder was written, with what its atoms have.
+
+    Parameters
+    ----------
+    source, loop
+        As for :func:`loop_rows`.
+    folder : Path
+        The loop's own.
+    atoms : LoopAtoms, optional
+        What was built.
+
+    Returns
+    -------
+    list of dict
+        In the columns `COLUMNS`; ``atoms_not_sound_because`` may be beside them.
+    """
+    return [
+        {**row, **(atoms.figures(row["rank"]) if atoms else {}), "folder": folder.name}
+        for row in loop_rows(source, loop)
+    ]
+
+
+def write_tables(
+    out: Path,
+    rows: Iterable[Mapping[str, Any]],
+    failures: Iterable[Mapping[str, str]],
+    report: bool,
+) -> Path | None:
+    """Write the tables of a run without workers, and its page if there is to be one.
+
+    Parameters
+    ----------
+    out : Path
+        Folder of the run.
+    rows : iterable of mapping
+        Of summary.csv.
+    failures : iterable of mapping
+        Of failures.csv.
+    report : bool
+        Whether there is to be a page.
+
+    Returns
+    -------
+    Path or None
+        The page.
+    """
+    write_csv(out / "summary.csv", rows, COLUMNS)
+    write_csv(out / "failures.csv", failures, FAILURE_COLUMNS)
+    return renew_report(out, report)
 
 
 def _results_are_there(task: Task, record: Record) -> bool:

@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from loopelastica._checks import file_name, flag, known_keywords, optional, shown
-from loopelastica._files import make_folder, write_csv
+from loopelastica._files import make_folder
 from loopelastica._names import safe_name
 from loopelastica.atoms.conventions import check_names
 from loopelastica.atoms.model import AtomModel, build_atoms
 from loopelastica.atoms.turn import check_contact
-from loopelastica.batch.folds import COLUMNS, loop_rows
+from loopelastica.batch.folds import folder_rows, write_tables
 from loopelastica.batch.lock import alone_in
-from loopelastica.batch.run import FAILURE_COLUMNS, check_tables
+from loopelastica.batch.run import check_tables
 from loopelastica.errors import StructureError
 from loopelastica.folding.options import Options, option
 from loopelastica.folding.result import LoopFold
@@ -26,8 +26,8 @@ from loopelastica.molecule.nucleotides import Structure
 from loopelastica.molecule.setting import Settings
 from loopelastica.report.atoms import LoopAtoms
 from loopelastica.report.folder import Folders, write_fold
-from loopelastica.report.page.write import check_available, is_available, renew_report
-from loopelastica.report.pdb import WHOLE_ATOMS, WholeStructure
+from loopelastica.report.page.write import has_report
+from loopelastica.report.pdb import WholeStructure, is_small
 
 _OF_ATOMS = ("contact", "hydrogens", "names", "no_5_phosphate", "separate")
 
@@ -65,8 +65,7 @@ class WriteOptions(Options):
     def __post_init__(self) -> None:
         Options.__post_init__(self)
         defaults = {item.name: item.default for item in fields(self)}
-        if self.report:
-            check_available()
+        has_report(self.report)  # refused before anything is written
         for name in _OF_ATOMS:
             if self.atoms is False and getattr(self, name) != defaults[name]:
                 raise ValueError(f"`{name}` needs `atoms`")
@@ -74,7 +73,7 @@ class WriteOptions(Options):
     @property
     def has_report(self) -> bool:
         """Whether what report.html shows is written."""
-        return is_available() if self.report is None else self.report
+        return has_report(self.report)
 
     @classmethod
     def given(cls, options: Mapping[str, Any]) -> WriteOptions:
@@ -130,8 +129,8 @@ class _Writer:
 
     def _full(self, given: bool | None) -> WholeStructure | None:
         # an ideal hairpin has no loop that a line could take the place of
-        small = len(self.structure.universe.atoms) <= WHOLE_ATOMS and not self._ideal
-        if not (small if given is None else given):
+        wanted = is_small(self.structure) and not self._ideal if given is None else given
+        if not wanted:
             return None
         self._whole = self._whole or WholeStructure(self.structure)
         return self._whole
@@ -210,8 +209,7 @@ def write_folds(
                 _write_source([*loops], folders, options, tables)
         finally:
             # what is done has its rows, however it ends
-            tables.write(place)
-            renew_report(place, options.has_report)
+            write_tables(place, tables.rows, tables.failures, options.has_report)
     return place
 
 
@@ -226,11 +224,6 @@ class _Tables:
         """Keep why something failed, with the file at the head of the sentence."""
         told = sentence.startswith(f"{file}: ")
         self.failures.append({"file": file, "failure": sentence if told else f"{file}: {sentence}"})
-
-    def write(self, place: Path) -> None:
-        """Write both tables."""
-        write_csv(place / "summary.csv", self.rows, COLUMNS)
-        write_csv(place / "failures.csv", self.failures, FAILURE_COLUMNS)
 
 
 def _write_source(
@@ -264,6 +257,4 @@ def _write_source(
         except FileExistsError as error:
             tables.failures.append({"file": file, "failure": str(error)})
             continue
-        for row in loop_rows(file, fold):
-            figures = {} if atoms is None else atoms.figures(row["rank"])
-            tables.rows.append({**row, **figures, "folder": folder.name})
+        tables.rows += folder_rows(file, fold, folder, atoms)

@@ -74,13 +74,14 @@ def build(
     from loopelastica.atoms.sequence import read_sequence
     from loopelastica.atoms.turn import check_contact
     from loopelastica.molecule.fasta import Entry, read_fasta
+    from loopelastica.report.page.write import has_report
 
     screen = Screen("build", "loops", quiet, as_json)
     with o.usage():
         check_contact(contact)
         check_names("names", names)
     written = {"hydrogens": hydrogens, "names": names, "separate": separate}
-    page = o.has_report(report)
+    page = has_report(report)
     options = _Options(
         rna, candidates, phosphate, mismatches, plot, page, contact, not quiet, written
     )
@@ -144,14 +145,12 @@ def _build_all(
     options: _Options,
 ) -> None:
     """All hairpins; one that fails leaves the others alone."""
-    from loopelastica._files import write_csv
     from loopelastica._progress import progress_bar
-    from loopelastica.batch.folds import COLUMNS, loop_rows
+    from loopelastica.batch.folds import folder_rows, write_tables
     from loopelastica.batch.lock import alone_in
-    from loopelastica.batch.run import FAILURE_COLUMNS, check_tables
+    from loopelastica.batch.run import check_tables
     from loopelastica.batch.workers import attempt
     from loopelastica.report.folder import Folders
-    from loopelastica.report.page.write import renew_report
 
     folders = Folders(out)
     done: list[_Built] = []
@@ -170,19 +169,14 @@ def _build_all(
                 said, built = outcome.failure, outcome.value
                 if built is not None:
                     done.append(built)
-                    rows += [
-                        {**row, **built.atoms.figures(row["rank"]), "folder": built.folder.name}
-                        for row in loop_rows(entry.name, built.atoms.fold)
-                    ]
+                    rows += folder_rows(entry.name, built.atoms.fold, built.folder, built.atoms)
                     said = built.failure
                 if said is not None:
                     sentence = f"{entry}: {in_options(said.removeprefix(f'{entry}: '))}"
                     failures.append({"file": entry.name, "failure": sentence})
         finally:
             # what is done has its rows, however the run ends
-            write_csv(out / "summary.csv", rows, COLUMNS)
-            write_csv(out / "failures.csv", failures, FAILURE_COLUMNS)
-            page = renew_report(out, options.report)
+            page = write_tables(out, rows, failures, options.report)
     _end(screen, out, done, rows, failures, page)
 
 

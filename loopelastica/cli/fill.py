@@ -93,6 +93,7 @@ def fill(
     from loopelastica.folding.known import library_at
     from loopelastica.folding.like import check_strands, file_of
     from loopelastica.molecule.folders import with_folders
+    from loopelastica.report.page.write import has_report
 
     screen = Screen("fill", "files", quiet, as_json)
     o.refuse(o.either(jobs, scheduler))
@@ -113,7 +114,7 @@ def fill(
         check_strands(options.like, (), options.limits)
     if options.library is not None:
         library_at(options.library)
-    page = o.has_report(report)
+    page = has_report(report)
     with o.usage():
         beside = (file_of(options.like), options.library)
         tasks = tasks_of(files, {**options.to_dict(), "report": page}, out, beside)

@@ -76,6 +76,7 @@ def fold(
     from loopelastica.cli.atoms import atoms_of
     from loopelastica.folding.options import FoldOptions
     from loopelastica.molecule.folders import with_folders
+    from loopelastica.report.page.write import has_report
 
     screen = Screen("fold", "loops", quiet, as_json)
     many = jobs is not None or scheduler is not None
@@ -129,7 +130,7 @@ def fold(
         from loopelastica.folding.known import library_at
 
         library_at(options.library)
-    page = o.has_report(report)
+    page = has_report(report)
     files = with_folders(files)
     if many:
         shown = {"plot": plot, "report": page}
@@ -195,14 +196,9 @@ class _Results:
 
     def write(self, out: Path, report: bool) -> Path | None:
         """Write the tables, as a run over many files does, and the page if there is to be one."""
-        from loopelastica._files import write_csv
-        from loopelastica.batch.folds import COLUMNS
-        from loopelastica.batch.run import FAILURE_COLUMNS
-        from loopelastica.report.page.write import renew_report
+        from loopelastica.batch.folds import write_tables
 
-        write_csv(out / "summary.csv", self.rows, COLUMNS)
-        write_csv(out / "failures.csv", self.failures, FAILURE_COLUMNS)
-        return renew_report(out, report)
+        return write_tables(out, self.rows, self.failures, report)
 
 
 def _fold_each(

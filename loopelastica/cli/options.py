@@ -286,15 +286,6 @@ def limits(max_size: float | None, max_atoms: int | None) -> dict[str, Any]:
     return {name: value for name, value in named.items() if value is not None}
 
 
-def has_report(requested: bool | None) -> bool:
-    """Whether a run ends with a page: as requested, by default where plotly is installed."""
-    from loopelastica.report.page.write import check_available, is_available
-
-    if requested:
-        check_available()
-    return is_available() if requested is None else requested
-
-
 def of_earlier_runs(
     out: Path, rows: Iterable[Mapping[str, Any]], manifest: str = "ranking.json"
 ) -> list[str]:

@@ -20,10 +20,9 @@ from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array, read_only
 from loopelastica.folding.line import StrandLine
+from loopelastica.molecule.refusals import STEP_REACH_A
 
 SHIFT_A: Final = 0.05
-STEP_A: Final = 7.0
-"""Longest step along a backbone, as in :mod:`loopelastica.molecule.refusals`."""
 CLASSES: Final = ((1, "1"), (2, "2"), (4, "3-4"), (9, "5-9"), (math.inf, "10-12"))
 """Lengths that are counted together: up to how many nucleotides, and their name."""
 
@@ -70,8 +69,8 @@ def largest_rmsd_A(n: int, distance_A: float) -> float:
     9.1 13.4
     """
     place = np.arange(n) + 0.5
-    near = STEP_A * np.minimum(place, n - place)
-    far = STEP_A * n - near
+    near = STEP_REACH_A * np.minimum(place, n - place)
+    far = STEP_REACH_A * n - near
     if distance_A <= far.min() - near.max():
         return float(np.sqrt((4.0 * near**2).mean()))
     # where the plane through the rim of a lens cuts the line of the ends, from the nearer end

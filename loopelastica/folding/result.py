@@ -145,9 +145,8 @@ class LoopFold(Record):
         from loopelastica.report.plots import draw_fold
 
         self.check_folded()
-        setting = self.setting()
         title = "" if self.source is None else self.source.name
-        return draw_fold(self, setting=setting, title=title)
+        return draw_fold(self, setting=self.setting(), title=title)
 
     def view(self) -> Any:
         """Show the candidates in their structure in a notebook, in 3D; needs the extra `notebook`.
@@ -166,8 +165,7 @@ class LoopFold(Record):
         from loopelastica.report.notebook import view_fold
 
         self.check_folded()
-        structure = self.structure()
-        return view_fold(self, structure)
+        return view_fold(self, self.structure())
 
     def check_folded(self) -> None:
         """Refuse a loop without candidates.

@@ -99,7 +99,7 @@ class Settings:
 
     def __init__(self, structure: Structure, positions: Array | None = None) -> None:
         self._structure = structure
-        self._positions = structure.positions(0) if positions is None else positions
+        self._given = positions
 
     def of(self, hairpin: Hairpin, near_A: Array | None = None) -> Setting:
         """The setting of one loop.
@@ -139,6 +139,11 @@ class Settings:
                 np.concatenate([hairpin.stem_5, loop, hairpin.stem_3]), np.concatenate(points)
             ),
         )
+
+    @cached_property
+    def _positions(self) -> Array:
+        # read for the first loop: a structure without loops needs none
+        return self._structure.positions(0) if self._given is None else self._given
 
     def _centroids(self, rows: NDArray[np.int64]) -> Array:
         return _mean(self._structure.nucleotides, self._positions, rows)

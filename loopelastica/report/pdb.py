@@ -36,6 +36,11 @@ _LEVEL = {"resnames": "residues", "icodes": "residues", "segids": "segments"}
 _LETTERS = string.ascii_uppercase + string.ascii_lowercase + string.digits
 
 
+def is_small(structure: Structure) -> bool:
+    """Whether whole.pdb is written of it without a request."""
+    return len(structure.universe.atoms) <= WHOLE_ATOMS
+
+
 def pdb_name(text: str) -> str:
     r"""A name as a record of the PDB format can hold it: visible ASCII, all else as ``_``.
 

@@ -63,6 +63,28 @@ def check_available() -> None:
         )
 
 
+def has_report(requested: bool | None) -> bool:
+    """Whether a run ends with a page.
+
+    Parameters
+    ----------
+    requested : bool or None
+        None: where plotly is installed.
+
+    Returns
+    -------
+    bool
+
+    Raises
+    ------
+    MissingDependencyError
+        If a page is requested and plotly is not installed.
+    """
+    if requested:
+        check_available()
+    return is_available() if requested is None else requested
+
+
 def write_report(folder: str | os.PathLike[str]) -> Path:
     """Make report.html from a folder of results: every loop in 3D, tables, failures, provenance.
 
