@@ -102,11 +102,14 @@ def helices_of(where: str, design: Any) -> Helices:
     StructureError
         If a helix has no place, or a geometry in which no strand can be bound.
     """
-    rows = []
+    rows, checked = [], set()
     for index, helix in sorted(design.helices.items()):
         group = design.groups[helix.group]
         geometry = design.geometry if group.geometry is None else group.geometry
-        _check_geometry(f"{where}: the geometry of helix {index}", geometry)
+        if id(geometry) not in checked:  # most often one for all
+            _check_geometry(f"{where}: the geometry of helix {index}", geometry)
+            checked.add(id(geometry))
+        _numbers(f"{where}: the grid position of helix {index}", helix.grid_position or ())
         position = helix.calculate_position(group.grid, geometry)
         angles = _numbers(
             f"{where}: yaw, pitch and roll of helix {index}",
@@ -150,7 +153,7 @@ def _numbers(what: str, values: Any) -> list[float]:
     for value in values:
         real = isinstance(value, int | float) and not isinstance(value, bool)
         if not real or not abs(value) < 1e9:
-            raise StructureError(f"{what} has {shown(value)}; it must be a number")
+            raise StructureError(f"{what} has {shown(value)}; it must be a number below 10⁹")
     return [float(value) for value in values]
 
 

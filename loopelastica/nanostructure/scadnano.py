@@ -257,10 +257,16 @@ def _neighbours(strand: Ints, circular: list[bool]) -> tuple[Ints, Ints]:
 
 
 def _axes(helices: Helices, drawn: _Drawn, steps: NDArray[np.float64]) -> Iterator[HelixAxis]:
-    for row in np.unique(drawn.row[drawn.row >= 0]).tolist():
-        own = steps[drawn.row == row]
-        begin, end = helices.axis_points(np.array([row, row]), np.array([own.min(), own.max()]))
-        yield HelixAxis(int(helices.index[row]), helices.direction[row].copy(), begin, end)
+    on = np.flatnonzero(drawn.row >= 0)
+    order = on[np.lexsort([steps[on], drawn.row[on]])]
+    rows, first = np.unique(drawn.row[order], return_index=True)
+    last = np.append(first[1:], len(order)) - 1
+    begin, end = (helices.axis_points(rows, steps[order[at]]) for at in (first, last))
+    for place, row in enumerate(rows):
+        direction = helices.direction[row]
+        yield HelixAxis(
+            int(helices.index[row]), *map(np.copy, (direction, begin[place], end[place]))
+        )
 
 
 def _care(system: System) -> Iterator[str]:

@@ -15,6 +15,9 @@ from loopelastica._checks import shown
 from loopelastica._names import printable
 from loopelastica.errors import StructureError
 
+# what has one of these is no domain, whatever else it has
+_SINGLE = {"loopout": "loopout", "extension_num_bases": "extension"}
+
 _VERSION = re.compile(r"(\d{1,6})\.(\d{1,6})(\.\d{1,6})?([-+][\w.+-]*)?")
 
 
@@ -72,12 +75,13 @@ def check_positions(where: str, content: dict[str, Any], helices: list[Any]) -> 
 def title_of(index: int, strand: dict[str, Any]) -> str:
     """What sentences call a strand before it is read: its place in the JSON, and its name."""
     name = strand.get("name")
-    return f"strands[{index}]" + (f" ({printable(name)[:60]})" if isinstance(name, str) else "")
+    own = f" ({printable(name)[:60]})" if isinstance(name, str) else ""
+    return f"strands[{index}]{own}"
 
 
 def check_parts(title: str, strand: dict[str, Any]) -> None:
     """StructureError unless a strand's domains, loopouts and extensions are sound and in order."""
-    parts = strand.get("domains", strand.get("substrands"))
+    parts = parts_of(strand)
     if not isinstance(parts, list) or not parts:
         raise StructureError(f"{title} has no domains, so it has no nucleotide")
     kinds = [_check_part(f"{title}, domains[{i}]", part) for i, part in enumerate(parts)]
@@ -101,19 +105,19 @@ def _check_part(title: str, part: Any) -> str:
     """Kind of a domain; StructureError where a number of it is none."""
     if not isinstance(part, dict):
         raise StructureError(f"{title} is {shown(part)}; it must be an object with fields")
-    for key, kind in (("loopout", "loopout"), ("extension_num_bases", "extension")):
-        if key in part:
-            if not _is_whole(part[key]) or part[key] < 1:
-                raise StructureError(
-                    f"{title}: {key} is {shown(part[key])}; it must be a whole number, 1 or more"
-                )
-            return kind
+    key = _single_key(part)
+    if key is not None:
+        if not _is_whole(part[key]) or part[key] < 1:
+            raise StructureError(
+                f"{title}: {key} is {shown(part[key])}; it must be a whole number, 1 or more"
+            )
+        return _SINGLE[key]
     for key in ("helix", "start", "end"):
         if not _is_whole(part.get(key)):
             raise StructureError(
                 f"{title}: {key} is {shown(part.get(key))}; it must be a whole number"
             )
-    forward = part.get("forward", part.get("right"))
+    forward = _forward(part)
     if not isinstance(forward, bool):
         raise StructureError(f"{title}: forward is {shown(forward)}; it must be true or false")
     if part["start"] >= part["end"]:
@@ -152,33 +156,54 @@ def _is_insertion(value: Any) -> bool:
     return pair and value[1] >= 1
 
 
-def check_domains(
-    where: str, package: Any, design: Any, strands: list[Any], titles: list[str]
-) -> None:
-    """That helices are there and long enough, and no two domains of one direction overlap."""
+def check_domains(where: str, strands: dict[str, dict[str, Any]], helices: dict[int, Any]) -> None:
+    """StructureError unless all domains have room on their helices.
+
+    Parameters
+    ----------
+    where : str
+        What sentences call the file.
+    strands : dict
+        What sentences call each strand, and its JSON, whose parts are sound.
+    helices : dict of scadnano.Helix
+        By their numbers.
+    """
     lanes: dict[tuple[int, bool], list[tuple[int, int, str]]] = defaultdict(list)
-    for strand, title in zip(strands, titles, strict=True):
-        for domain in strand.domains:
-            if not isinstance(domain, package.Domain):
+    for title, strand in strands.items():
+        for part in parts_of(strand):
+            if _single_key(part) is not None:
                 continue
-            helix = design.helices.get(domain.helix)
-            if helix is None:
+            index, start, end = part["helix"], part["start"], part["end"]
+            if index not in helices:
                 raise StructureError(
-                    f"{where}: {title} has a domain on helix {domain.helix}, which is not there"
+                    f"{where}: {title} has a domain on helix {index}, which the design does not have"
                 )
-            least, most = helix.min_offset or 0, helix.max_offset
-            if domain.start < least or (most is not None and domain.end > most):
+            least, most = helices[index].min_offset, helices[index].max_offset
+            if start < least or (most is not None and end > most):
                 raise StructureError(
-                    f"{where}: {title} has a domain at offsets {domain.start} to {domain.end - 1}"
-                    f" of helix {domain.helix}, which has offsets {least} to"
-                    f" {'any' if most is None else most - 1}"
+                    f"{where}: {title} has a domain at offsets {start} to {end - 1} of helix {index}, which"
+                    f" has offsets {least} {'and above' if most is None else f'to {most - 1}'}"
                 )
-            lanes[domain.helix, domain.forward].append((domain.start, domain.end, title))
+            lanes[index, _forward(part)].append((start, end, title))
     for (index, forward), lane in lanes.items():
-        lane.sort()
-        for (_, end, title), (start, _, other) in itertools.pairwise(lane):
+        for (_, end, title), (start, _, other) in itertools.pairwise(sorted(lane)):
             if start < end:
                 raise StructureError(
-                    f"{where}: {title} and {other} overlap on helix {index} at offset {start}, both"
-                    f" {'forward' if forward else 'reverse'}; two strands cannot be in one place"
+                    f"{where}: {title} and {other} overlap on helix {index} at offset"
+                    f" {start}, both {'forward' if forward else 'reverse'}; two strands cannot be"
+                    " in one place"
                 )
+
+
+def parts_of(strand: dict[str, Any]) -> Any:
+    """Domains, loopouts and extensions of a strand, by either name that scadnano had for them."""
+    return strand.get("domains", strand.get("substrands"))
+
+
+def _single_key(part: dict[str, Any]) -> str | None:
+    """What makes a part a loopout or an extension; None for a domain."""
+    return next((key for key in _SINGLE if key in part), None)
+
+
+def _forward(part: dict[str, Any]) -> Any:
+    return part.get("forward", part.get("right"))

@@ -83,16 +83,20 @@ def load(path: Path) -> File:
     frame = {key: value for key, value in content.items() if not key.startswith("modifications")}
     with _named(where):
         design = package.Design.from_scadnano_json_map({**frame, "strands": []})
-    read = [_strand(package, where, index, strand) for index, strand in enumerate(strands)]
-    titles = [title_of(index, strand) for index, strand in enumerate(strands)]
-    check_domains(where, package, design, read, titles)
+    titled = {title_of(index, strand): strand for index, strand in enumerate(strands)}
+    for title, strand in titled.items():
+        check_parts(f"{where}: {title}", strand)
+    check_domains(where, titled, design.helices)
+    read = [_strand(package, f"{where}: {title}", strand) for title, strand in titled.items()]
     count = sum(strand.dna_length() for strand in read)
     if count > MAX_NUCLEOTIDES:
         raise StructureError(
             f"{where}: the design has {count:,} nucleotides, more than the {MAX_NUCLEOTIDES:,} that"
             " are read"
         )
-    return File(where, design, read, _colours(package, strands, read), _notes(strands, read))
+    return File(
+        where, design, read, _colours(package, strands, read), _notes(design, strands, read)
+    )
 
 
 def _package() -> Any:
@@ -119,6 +123,8 @@ def _named(where: str) -> Iterator[None]:
         said = re.split(r"\n\s+strand length|\n\nThis occurred", str(error))[0]
         reason = printable(" ".join(said.split())).rstrip(".:") or type(error).__name__
         reason = reason if len(reason) <= _LONGEST else f"{reason[:_LONGEST]}…"
+        if not isinstance(error, ValueError):
+            reason = f"a field is missing or of another kind than expected: {reason}"
         raise StructureError(f"{where}: scadnano cannot read it ({reason})") from None
 
 
@@ -153,9 +159,7 @@ def _no_number(text: str) -> float:
     raise ValueError(f"{text} is no number of JSON")
 
 
-def _strand(package: Any, where: str, index: int, strand: dict[str, Any]) -> Any:
-    title = f"{where}: {title_of(index, strand)}"
-    check_parts(title, strand)
+def _strand(package: Any, title: str, strand: dict[str, Any]) -> Any:
     strand = dict(strand)
     for key in ("sequence", "dna_sequence"):
         if isinstance(strand.get(key), str):
@@ -184,8 +188,10 @@ def _colours(package: Any, strands: list[Any], read: list[Any]) -> tuple[str, ..
     return tuple(found)
 
 
-def _notes(strands: list[Any], read: list[Any]) -> list[str]:
+def _notes(design: Any, strands: list[Any], read: list[Any]) -> list[str]:
     notes = []
+    if any(group.grid == "none" for group in design.groups.values()):
+        notes.append("there are helices without a grid; they stand where their positions say")
     modified = [
         strand.name
         for own, strand in zip(strands, read, strict=True)
@@ -193,13 +199,13 @@ def _notes(strands: list[Any], read: list[Any]) -> list[str]:
     ]
     if modified:
         notes.append(
-            f"modifications of {len(modified)} strands are ignored, first of {modified[0]}; the"
-            " model has none"
+            f"strands with modifications ({len(modified)}, first {modified[0]}): the model has"
+            " none, so they are ignored"
         )
     circular = [strand.name for strand in read if strand.circular]
     if circular:
         notes.append(
-            f"{len(circular)} strands are circular, first {circular[0]}; their last nucleotide is"
+            f"circular strands ({len(circular)}, first {circular[0]}): their last nucleotide is"
             " bound to their first"
         )
     return notes
