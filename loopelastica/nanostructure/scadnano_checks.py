@@ -174,16 +174,20 @@ def check_domains(where: str, strands: dict[str, dict[str, Any]], helices: dict[
             if _single_key(part) is not None:
                 continue
             index, start, end = part["helix"], part["start"], part["end"]
+            domain = (
+                f"{where}: {title} has a domain at offsets {start} to {end - 1} of helix {index}"
+            )
             if index not in helices:
-                raise StructureError(
-                    f"{where}: {title} has a domain on helix {index}, which the design does not have"
-                )
+                raise StructureError(f"{domain}, which the design does not have")
             least, most = helices[index].min_offset, helices[index].max_offset
-            if start < least or (most is not None and end > most):
+            if not (_is_whole(least) and (most is None or _is_whole(most))):
                 raise StructureError(
-                    f"{where}: {title} has a domain at offsets {start} to {end - 1} of helix {index}, which"
-                    f" has offsets {least} {'and above' if most is None else f'to {most - 1}'}"
+                    f"{where}: helix {index} has offsets from {shown(least)} to before"
+                    f" {shown(most)}; they must be whole numbers"
                 )
+            if start < least or (most is not None and end > most):
+                room = f"{least} and above" if most is None else f"{least} to {most - 1}"
+                raise StructureError(f"{domain}, which has offsets {room}")
             lanes[index, _forward(part)].append((start, end, title))
     for (index, forward), lane in lanes.items():
         for (_, end, title), (start, _, other) in itertools.pairwise(sorted(lane)):
