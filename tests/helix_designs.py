@@ -48,10 +48,12 @@ def hairpin(loop=5, stem=12):
 def hairpins(count, loop=6, stem=10):
     """Many of them, side by side."""
     helices = [sc.Helix(max_offset=stem, grid_position=(i % 40, i // 40)) for i in range(count)]
-    design = sc.Design(helices=helices, grid=sc.square)
-    for i in range(count):
-        design.draw_strand(i, 0).move(stem).loopout(i, loop).move(-stem)
-    return design
+    # all at once: after each strand that is drawn scadnano checks the whole design
+    strands = [
+        sc.Strand([sc.Domain(i, True, 0, stem), sc.Loopout(loop), sc.Domain(i, False, 0, stem)])
+        for i in range(count)
+    ]
+    return sc.Design(helices=helices, strands=strands, grid=sc.square)
 
 
 def linker(length, apart=1):

@@ -55,6 +55,10 @@ class Helices:
     turn: Array
     groove: Array
 
+    def rows(self, index: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Places (m,) in these arrays of helices, by their numbers in the design."""
+        return np.searchsorted(self.index, index)
+
     def axis_points(self, row: NDArray[np.int64], steps: Array) -> Array:
         """Points (m, 3) on axes: of which helices, how many bases from offset 0."""
         points: Array = self.origin[row] + (self.rise[row] * steps)[:, None] * self.direction[row]

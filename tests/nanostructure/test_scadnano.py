@@ -98,6 +98,16 @@ def test_domains_without_a_partner_and_the_loopout_between_them_are_one_single_s
     assert not found.system.placed[single.nucleotides].any()
 
 
+def test_a_design_without_a_pair_has_no_places_but_those_of_the_drawing(read):
+    design = designs.row_of(1)
+    design.draw_strand(0, 0).move(20)
+    found = read(design)
+    assert not found.system.placed.any()
+    assert [single.kind for single in single_strands(found.system)] == ["free strand"]
+    whole = read(designs.duplex(20)).system
+    np.testing.assert_allclose(found.system.centre, whole.centre[:20])
+
+
 def test_insertions_and_deletions_of_both_strands_are_pairs_of_a_longer_or_shorter_helix(read):
     design = designs.row_of(1)
     for start, length in ((0, 30), (30, -30)):
@@ -283,7 +293,11 @@ def test_helices_in_one_place_are_named(read):
     for i in range(2):
         design.draw_strand(i, 0).move(20)
         design.draw_strand(i, 20).move(-20)
-    assert any("drawn in one place, first helix 0, offset" in note for note in read(design).notes)
+    notes = read(design).notes
+    said = (
+        "80 nucleotides are drawn less than 0.4 from another, first helix 0, offset 0 from helix 1"
+    )
+    assert any(said in note for note in notes)
 
 
 def test_a_thousand_strands_are_read_as_each_alone(read):
