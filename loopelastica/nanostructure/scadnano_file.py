@@ -9,10 +9,9 @@ import importlib
 import json
 import re
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import metadata
-from io import StringIO
 from pathlib import Path
 from typing import Any, Final
 
@@ -79,7 +78,8 @@ def load(path: Path) -> File:
         with _named(f"{where}: helices[{index}]"):
             package.Helix.from_json(helix)
     check_positions(where, content, helices)
-    # names are asked of each strand alone: the package compares each with each
+    # without strands, whose names the package would compare each with each; of modifications it
+    # prints
     frame = {key: value for key, value in content.items() if not key.startswith("modifications")}
     with _named(where):
         design = package.Design.from_scadnano_json_map({**frame, "strands": []})
@@ -111,12 +111,9 @@ def _package() -> Any:
 
 @contextmanager
 def _named(where: str) -> Iterator[None]:
-    """What the package refuses, in one sentence; what it prints, nowhere."""
+    """What the package refuses, in one sentence."""
     try:
-        with redirect_stdout(StringIO()):
-            yield
-    except StructureError:
-        raise
+        yield
     # whatever its code stumbles over in a file of others
     except Exception as error:
         # behind its reason the package prints the whole of a strand or of the JSON
