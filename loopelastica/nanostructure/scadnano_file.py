@@ -78,8 +78,8 @@ def load(path: Path) -> File:
         with _named(f"{where}: helices[{index}]"):
             package.Helix.from_json(helix)
     check_positions(where, content, helices)
-    # without strands, whose names the package would compare each with each; of modifications it
-    # prints
+    # without strands, since the package would compare their names in pairs, and without
+    # modifications, of which it prints
     frame = {key: value for key, value in content.items() if not key.startswith("modifications")}
     with _named(where):
         design = package.Design.from_scadnano_json_map({**frame, "strands": []})
