@@ -21,7 +21,7 @@ from loopelastica.errors import StructureError
 from loopelastica.nanostructure.bonds import LONGEST, SHORTEST, backbone_sites
 
 UNIT_NM: Final = 0.8518
-"""oxDNA's unit of length in nanometres (docs/source/units.md of the program)."""
+"""oxDNA's unit of length in nanometres (NM_TO_OX_UNITS of scadnano)."""
 
 RADIUS: Final = 0.6
 """Distance of centres from the axis: the site of the base, 0.4 from the centre, and half of the
