@@ -35,7 +35,7 @@ class System(Record):
     centre : (n, 3) array
         Centre of mass; oxDNA's units.
     a1, a3 : (n, 3) array
-        Unit vectors: from the backbone to the base; the base's normal, 5' to 3' along a helix.
+        Unit vectors: from the backbone to the base; the base's normal, 3' to 5' along a helix.
         ``a2 = a3 × a1``.
     label : tuple of str
         What sentences call a nucleotide, such as "helix 2, offset 31" or "nucleotide 17".
