@@ -177,7 +177,7 @@ def hydrogen_bonds(system: System) -> Contacts:
     -------
     Contacts
     """
-    i, j = _close(system, base_sites(system.centre, system.a1), f.HYDROGEN.range)
+    i, j = close_sites(system, base_sites(system.centre, system.a1), f.HYDROGEN.range)
     number = base_numbers(system.base)
     fits = number[i] + number[j] == 3
     return _contacts(system, i[fits], j[fits], _hydrogen)
@@ -185,13 +185,13 @@ def hydrogen_bonds(system: System) -> Contacts:
 
 def cross_stacking(system: System) -> Contacts:
     """Stacking across a helix, of a base on the neighbour of its partner; see hydrogen_bonds."""
-    i, j = _close(system, base_sites(system.centre, system.a1), f.CROSS.range)
+    i, j = close_sites(system, base_sites(system.centre, system.a1), f.CROSS.range)
     return _contacts(system, i, j, _cross)
 
 
 def coaxial_stacking(system: System) -> Contacts:
     """Stacking of nucleotides that are not bonded; see hydrogen_bonds."""
-    i, j = _close(system, stack_sites(system.centre, system.a1), f.COAXIAL.range)
+    i, j = close_sites(system, stack_sites(system.centre, system.a1), f.COAXIAL.range)
     return _contacts(system, i, j, _coaxial)
 
 
@@ -200,7 +200,7 @@ def excluded_volume(system: System) -> Contacts:
     n = len(system)
     backbone = backbone_sites(system.centre, system.a1, system.a3)
     sites = np.concatenate([backbone, base_sites(system.centre, system.a1)])
-    i, j = _close(system, sites, f.BACKBONE_BACKBONE.range)
+    i, j = close_sites(system, sites, f.BACKBONE_BACKBONE.range)
     distance = np.linalg.norm(separation(system, sites[i], sites[j]), axis=-1)
     bases = (i >= n).astype(int) + (j >= n)
     energy = np.choose(
@@ -235,7 +235,7 @@ def electrostatics(
         positive("temperature_K", temperature_K) * KELVIN, positive("salt_M", salt_M)
     )
     sites = backbone_sites(system.centre, system.a1, system.a3)
-    i, j = _close(system, sites, screened.range)
+    i, j = close_sites(system, sites, screened.range)
     energy = screened(np.linalg.norm(separation(system, sites[i], sites[j]), axis=-1))
     if half_charged_ends:
         charge = np.where((system.n3 < 0) | (system.n5 < 0), 0.5, 1.0)
@@ -354,8 +354,23 @@ def _kept(i: Index, j: Index, energy: Array) -> Contacts:
     return Contacts(i[some], j[some], energy[some])
 
 
-def _close(system: System, sites: Array, distance: float) -> tuple[Index, Index]:
-    """Two sites each that are nearer than a distance and not of one nucleotide or of neighbours."""
+def close_sites(system: System, sites: Array, distance: float) -> tuple[Index, Index]:
+    """Two sites each that are nearer than a distance and not of one nucleotide or of neighbours.
+
+    Parameters
+    ----------
+    system : System
+        n nucleotides; those without a place are left out.
+    sites : (m, 3) array
+        Sites of each nucleotide in order, once or several times.
+    distance : float
+        Between the nearest periodic images; oxDNA's units.
+
+    Returns
+    -------
+    first, second : (k,) array of int
+        Rows of `sites`.
+    """
     from scipy.spatial import cKDTree
 
     n = len(system)

@@ -155,7 +155,7 @@ def duplex(
     >>> centre, a1, a3 = duplex(2)
     >>> bond = np.diff(backbone_sites(centre, a1, a3)[0], axis=0)
     >>> round(float(np.linalg.norm(bond)), 4)
-    0.7297
+    0.7292
     """
     angle = twist * np.arange(n)
     out = np.stack([np.cos(angle), np.sin(angle), np.zeros(n)], axis=-1)

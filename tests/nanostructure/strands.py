@@ -1,9 +1,12 @@
 """Systems that several tests of nanostructures use, made from strands."""
 
+from dataclasses import replace
+
 import numpy as np
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from loopelastica.nanostructure.model import duplex
+from loopelastica.nanostructure.model import backbone_sites, centre_of, duplex
 from loopelastica.nanostructure.system import System
 
 COMPLEMENT = {"A": "T", "T": "A", "G": "C", "C": "G"}
@@ -50,35 +53,52 @@ def helix(sequence, **changes):
     )
 
 
-def hairpin(stem, loop, spread=0.9):
-    """A stem and a loop on an arc that closes it: of bonds that are about right."""
-    n = len(stem)
+def hairpin(stem, loop, bond=0.75):
+    """An ideal stem and a loop on a circle, its bases outwards, with bonds of one length."""
+    n, steps = len(stem), len(loop) + 1
     centre, a1, a3 = duplex(n)
-    start, end = centre[0, -1], centre[1, -1]
-    angle = np.linspace(0, np.pi, len(loop) + 2)[1:-1]
-    middle, half = (start + end) / 2, (start - end) / 2
-    up = np.array([0.0, 0.0, 1.0]) * np.linalg.norm(half) * spread * len(loop) / 2
-    arc = middle + np.cos(angle)[:, None] * half + np.sin(angle)[:, None] * up
-    tangent = -np.sin(angle)[:, None] * half + np.cos(angle)[:, None] * up
-    tangent /= np.linalg.norm(tangent, axis=1)[:, None]
-    inward = np.cross(tangent, np.cross(half, up) / np.linalg.norm(np.cross(half, up)))
+    start, end = backbone_sites(centre[:, -1], a1[:, -1], a3[:, -1])
+    across = end - start
+    distance = np.linalg.norm(across)
+    # a polygon of so many equal sides on a circle, whose ends are so far apart
+    turn = brentq(
+        lambda t: bond * np.sin(steps * t / 2) - distance * np.sin(t / 2), 1e-3, 2 * np.pi / steps
+    )
+    radius = bond / (2 * np.sin(turn / 2))
+    angle = turn * (np.arange(1, steps) - steps / 2)
+    right, up = across / distance, np.array([0.0, 0.0, 1.0])
+    out = np.sin(angle)[:, None] * right + np.cos(angle)[:, None] * up
+    along = np.cos(angle)[:, None] * right - np.sin(angle)[:, None] * up
+    middle = (start + end) / 2 - radius * np.cos(steps * turn / 2) * up
+    loop_centre = centre_of(middle + radius * out, out, -along)
     other = "".join(COMPLEMENT[base] for base in reversed(stem))
+    parts = zip((centre, a1, a3), (loop_centre, out, -along), strict=True)
     return system_of(
-        [
-            (
-                stem + loop + other,
-                np.concatenate([centre[0], arc, centre[1, ::-1]]),
-                np.concatenate([a1[0], inward, a1[1, ::-1]]),
-                np.concatenate([a3[0], -tangent, a3[1, ::-1]]),
-            )
-        ]
+        [(stem + loop + other, *(np.concatenate([x[0], y, x[1, ::-1]]) for x, y in parts))]
+    )
+
+
+def nicked(sequence, after):
+    """An ideal duplex whose first strand is in two pieces."""
+    one = helix(sequence)
+    n = len(sequence)
+    pieces = [slice(0, after), slice(after, n), slice(n, 2 * n)]
+    return system_of([("".join(one.base[s]), one.centre[s], one.a1[s], one.a3[s]) for s in pieces])
+
+
+def moved(system, rotation, shift):
+    """The same nucleotides, rotated as a whole and shifted."""
+    turn = rotation.as_matrix().T
+    return replace(
+        system,
+        centre=system.centre @ turn + shift,
+        a1=system.a1 @ turn,
+        a3=system.a3 @ turn,
     )
 
 
 def shaken(system, rng, shift=0.03, turn=0.1):
     """The same nucleotides, each moved and turned a little at random."""
-    from dataclasses import replace
-
     n = len(system)
     turns = Rotation.from_rotvec(turn * rng.normal(size=(n, 3)))
     return replace(
