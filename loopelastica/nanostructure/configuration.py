@@ -7,6 +7,7 @@ Texts in, texts out.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -23,6 +24,11 @@ _AXES: Final = 9
 # Files of the program have six digits and more. What is off by less than 0.6 degrees or 1 % is made
 # orthonormal, as the program does; more is no frame of a nucleotide.
 _TOLERANCE: Final = 0.01
+_NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+# beyond this a double cannot tell places in a box apart
+_LARGEST: Final = 1e12
+# a nucleotide would be its own neighbour
+_NARROWEST: Final = 2.0
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -124,10 +130,16 @@ def _box(name: str, block: list[str], offset: int) -> Array:
         box = np.array([float(word) for word in sides[2].split()])
     except ValueError:
         box = np.empty(0)
-    if sides[0].strip() != "b" or len(box) != 3 or not (np.isfinite(box) & (box > 0)).all():
+    # also false for what is no number
+    if (
+        sides[0].strip() != "b"
+        or len(box) != 3
+        or not ((box > _NARROWEST) & (box < _LARGEST)).all()
+    ):
         line = block[1] if len(block) > 1 else ""
         raise StructureError(
-            f'{name}, line {offset + 1}: {shown(line)} is not "b = …" with three sides of a box'
+            f'{name}, line {offset + 1}: {shown(line)} is not "b = …" with three sides of a box,'
+            f" each above {_NARROWEST:g}"
         )
     if not block[2].startswith("E"):
         raise StructureError(f'{name}, line {offset + 2}: {shown(block[2])} is not "E = …"')
@@ -139,7 +151,9 @@ def _values(name: str, rows: list[str], offset: int) -> Array:
         values = np.loadtxt(rows, comments=None, ndmin=2)
     except ValueError:
         values = np.empty((0, 0))
-    if values.shape[0] == len(rows) and values.shape[1] in _COLUMNS and np.isfinite(values).all():
+    fits = values.shape[0] == len(rows) and values.shape[1] in _COLUMNS
+    # also false for what is no number
+    if fits and (np.abs(values) < _LARGEST).all():
         return values
     width = len(rows[0].split())
     for k, row in enumerate(rows):
@@ -152,15 +166,14 @@ def _values(name: str, rows: list[str], offset: int) -> Array:
             )
         wrong = next((word for word in words if not _is_number(word)), None)
         if wrong is not None:
-            raise StructureError(f"{place}: {shown(wrong)} of nucleotide {k} is no finite number")
+            raise StructureError(
+                f"{place}: {shown(wrong)} of nucleotide {k} is not a number, or too large a one"
+            )
     raise StructureError(f"{name}: the lines of nucleotides cannot be read")
 
 
 def _is_number(word: str) -> bool:
-    try:
-        return bool(np.isfinite(float(word)))
-    except ValueError:
-        return False
+    return _NUMBER.fullmatch(word) is not None and abs(float(word)) < _LARGEST
 
 
 def _axes(name: str, a1: Array, a3: Array) -> tuple[Array, Array]:

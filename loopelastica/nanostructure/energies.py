@@ -165,13 +165,15 @@ def bonds(system: System, temperature_K: float = ROOM_K) -> Bonds:
     return Bonds(i, j, length, fene, volume, stacking)
 
 
-def hydrogen_bonds(system: System) -> Contacts:
+def hydrogen_bonds(system: System, any_bases: bool = False) -> Contacts:
     """Hydrogen bonds between complementary bases.
 
     Parameters
     ----------
     system : System
         The nucleotides; those without a place are left out.
+    any_bases : bool, optional
+        Take all bases for complementary: what is left is the geometry.
 
     Returns
     -------
@@ -179,7 +181,7 @@ def hydrogen_bonds(system: System) -> Contacts:
     """
     i, j = close_sites(system, base_sites(system.centre, system.a1), f.HYDROGEN.range)
     number = base_numbers(system.base)
-    fits = number[i] + number[j] == 3
+    fits = (number[i] + number[j] == 3) | any_bases
     return _contacts(system, i[fits], j[fits], _hydrogen)
 
 

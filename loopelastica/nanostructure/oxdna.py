@@ -79,7 +79,10 @@ class OxdnaFiles(Record):
 
 
 def read_oxdna(
-    path: str | os.PathLike[str], other: str | os.PathLike[str] | None = None
+    path: str | os.PathLike[str],
+    other: str | os.PathLike[str] | None = None,
+    *,
+    any_bases: bool = False,
 ) -> OxdnaFiles:
     """Read a topology and its configuration, and find the base pairs.
 
@@ -91,6 +94,8 @@ def read_oxdna(
         The topology (.top) or the configuration.
     other : path-like, optional
         The other one; default: beside `path`, of the same stem.
+    any_bases : bool, optional
+        Find pairs by geometry alone: for designs without sequences, whose bases do not fit.
 
     Returns
     -------
@@ -123,7 +128,7 @@ def read_oxdna(
         rna=top.rna,
         box=conf.box,
     )
-    system = replace(system, pair=find_pairs(system))
+    system = replace(system, pair=find_pairs(system, any_bases))
     image = _images(system)
     system = replace(system, centre=system.centre + image * system.box)
     return OxdnaFiles(

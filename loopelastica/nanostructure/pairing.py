@@ -25,7 +25,7 @@ _STEP: Final = 2 * HELIX_RISE
 _COSINE: Final = np.sqrt(0.5)
 
 
-def find_pairs(system: System) -> Index:
+def find_pairs(system: System, any_bases: bool = False) -> Index:
     """Partner of each nucleotide by the hydrogen bonds of the model.
 
     Bases pair where they are complementary, are no neighbours in a strand and have a hydrogen bond
@@ -35,13 +35,15 @@ def find_pairs(system: System) -> Index:
     ----------
     system : System
         Nucleotides; those without a place stay without a partner.
+    any_bases : bool, optional
+        Pair by geometry alone, as if all bases were complementary: for designs without sequences.
 
     Returns
     -------
     (n,) array of int
         −1 where there is none.
     """
-    bonds = hydrogen_bonds(system)
+    bonds = hydrogen_bonds(system, any_bases)
     pair = np.full(len(system), -1, dtype=np.int64)
     strong = np.flatnonzero(bonds.energy < BOND_ENERGY)
     order = strong[np.argsort(bonds.energy[strong], kind="stable")]

@@ -72,18 +72,18 @@ def parse_topology(name: str, text: str) -> Topology:
     StructureError
         Where the program would refuse it, or it holds something else than DNA and RNA.
     """
-    lines = text.splitlines()
-    head = lines[0].split() if lines else []
+    lines = text.split("\n")
+    head = lines[0].split()
     # two numbers more, of nucleotides and of residues, and one of strands of residues
-    if len(head) == 5 and all(re.fullmatch(r"\d+", word) for word in head):
+    if len(head) == 5 and all(re.fullmatch(r"[0-9]+", word) for word in head):
         raise StructureError(
             f"{name}: the first line has five numbers, as in topologies with proteins; only strands"
             " of DNA and RNA can be read"
         )
-    sizes = [word for word in head[:2] if re.fullmatch(r"\d{1,9}", word)]
+    sizes = [word for word in head[:2] if re.fullmatch(r"[0-9]{1,9}", word)]
     if len(sizes) < 2 or head[2:] not in ([], [NEW_HEADER]):
         raise StructureError(
-            f"{name}: the first line is {shown(lines[0] if lines else '')}, not the numbers of"
+            f"{name}: the first line is {shown(lines[0].strip())}, not the numbers of"
             " nucleotides and strands, so this is no oxDNA topology"
         )
     n, n_strands = (int(word) for word in sizes)
@@ -186,7 +186,7 @@ def _bases(place: str, sequence: str) -> list[str]:
     for word in words:
         if word.upper() in _LETTERS:
             found.append(word.upper())
-        elif re.fullmatch(r"\([+-]?\d{1,9}\)", word):
+        elif re.fullmatch(r"\([+-]?[0-9]{1,9}\)", word):
             number = int(word[1:-1])
             if 3 < number < 10:
                 _refuse_base(place, str(number))
@@ -202,7 +202,7 @@ def _is_old_base(word: str) -> bool:
 
 
 def _is_special(word: str) -> bool:
-    return re.fullmatch(r"[+-]?\d{1,9}", word) is not None and not 0 <= int(word) < 10
+    return re.fullmatch(r"[+-]?[0-9]{1,9}", word) is not None and not 0 <= int(word) < 10
 
 
 def _refuse_base(place: str, word: str) -> NoReturn:
@@ -218,7 +218,7 @@ def _whole(name: str, rows: list[tuple[int, str]], column: list[str]) -> Index:
     except (ValueError, OverflowError):
         pass
     for (number, line), word in zip(rows, column, strict=True):
-        if not re.fullmatch(r"[+-]?\d{1,9}", word):
+        if not re.fullmatch(r"[+-]?[0-9]{1,9}", word):
             raise StructureError(
                 f"{name}, line {number}: {shown(word)} in {shown(line)} is no whole number"
             )

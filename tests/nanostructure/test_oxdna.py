@@ -229,6 +229,28 @@ def test_files_of_something_else_are_refused(hairpin, suffix):
         read_oxdna(hairpin)
 
 
+def test_files_damaged_at_random_are_read_or_refused_in_a_sentence(hairpin, tmp_path, rng):
+    whole = {path: path.read_bytes() for path in (hairpin, hairpin.with_suffix(".dat"))}
+    bits = [b"nan", b"-1", b"1e308", b"\n", b" ", b"t = 0\n", b"99999999999", b"\xc2\xb2", b"5->3"]
+    outcomes = set()
+    for k in range(200):
+        path = list(whole)[k % 2]
+        content = bytearray(whole[path])
+        place = int(rng.integers(len(content)))
+        content[place : place + int(rng.integers(4))] = bits[int(rng.integers(len(bits)))]
+        path.write_bytes(content)
+        try:
+            files = read_oxdna(hairpin)
+            write_oxdna(files.system, tmp_path / "out.top", tmp_path / "out.dat", files=files)
+            outcomes.add("read")
+        except StructureError as refusal:
+            assert "pin." in str(refusal)
+            assert "\n" not in str(refusal)
+            outcomes.add("refused")
+        path.write_bytes(whole[path])
+    assert outcomes == {"read", "refused"}
+
+
 def test_a_written_start_runs(tmp_path):
     """Ten thousand steps of dynamics in LAMMPS from the files, at 300 K."""
     made = strands.hairpin("GCGTAC", "TTTTTT")

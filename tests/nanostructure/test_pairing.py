@@ -69,6 +69,13 @@ def test_bases_that_do_not_fit_have_no_partner():
     assert (pair >= 0).sum() == 2 * N - 2
 
 
+def test_a_design_without_a_sequence_is_paired_by_geometry():
+    system = strands.helix(SEQUENCE)
+    alike = replace(system, base=np.array(["T"] * 2 * N))
+    assert (find_pairs(alike) == -1).all()
+    np.testing.assert_array_equal(find_pairs(alike, any_bases=True), find_pairs(system))
+
+
 def test_a_weak_hydrogen_bond_makes_no_pair():
     system = strands.helix("ACGTACGT")
     # one base turned about its normal by as much as leaves it little of its bond
