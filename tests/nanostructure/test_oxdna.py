@@ -150,6 +150,18 @@ def test_a_moved_nucleotide_stays_in_the_image_of_its_strand(hairpin, tmp_path):
     assert min(x) > 50
 
 
+def test_a_moved_nucleotide_of_a_strand_across_the_box_stays_on_its_side(hairpin, tmp_path):
+    wrapped(hairpin, np.where(np.arange(18)[:, None] > 8, [1, -1, 0], [0, 0, 0]))
+    files = read_oxdna(hairpin)
+    moved = replace(files.system, centre=files.system.centre + np.eye(18)[:, 10:11] * 0.01)
+    write_oxdna(moved, tmp_path / "out.top", tmp_path / "out.dat", files=files)
+    there, here = (
+        np.array(lines_of(path)[13].split()[:3], dtype=float)
+        for path in (hairpin.with_suffix(".dat"), tmp_path / "out.dat")
+    )
+    np.testing.assert_allclose(here - there, 0.01, atol=1e-9)
+
+
 def test_two_strands_of_a_pair_are_brought_together(tmp_path):
     system = strands.helix("GCATTGCAGC", box=(25.0, 25.0, 25.0))
     apart = np.where(system.strand[:, None] == 1, system.centre + [25.0, -50.0, 0], system.centre)

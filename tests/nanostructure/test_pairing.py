@@ -6,6 +6,7 @@ import strands
 from scipy.spatial.transform import Rotation
 
 from loopelastica.nanostructure.energies import hydrogen_bonds
+from loopelastica.nanostructure.model import duplex
 from loopelastica.nanostructure.pairing import BOND_ENERGY, find_helices, find_pairs
 
 SEQUENCE = "GCATTGCAGCTTAGC"
@@ -137,6 +138,22 @@ def test_a_crossover_leads_from_one_helix_to_another():
     for helix in helices:
         whole = [k for k in (0, 1) if len(set(system.strand[helix[:, k]])) == 1]
         assert len(whole) == 1
+
+
+def test_helices_do_not_fork():
+    # on the pair 2–1 lie two: 3–4 by the one strand and 5–0 by the other
+    centre, a1, a3 = duplex(2)
+    up, down = (0, slice(None)), (1, slice(None, None, -1))
+    system = strands.system_of(
+        [
+            ("AC", *(x[down] for x in (centre, a1, a3))),
+            ("GT", *(x[up] for x in (centre, a1, a3))),
+            ("A", *(x[1, 1:] for x in (centre, a1, a3))),
+            ("T", *(x[0, 1:] for x in (centre, a1, a3))),
+        ],
+        pair=[5, 2, 1, 4, 3, 0],
+    )
+    assert [helix.tolist() for helix in find_helices(system)] == [[[0, 5]], [[4, 3], [1, 2]]]
 
 
 def test_a_helix_ends_where_a_base_has_no_partner():
