@@ -10,7 +10,7 @@ each other by 10°; here each is turned by 5°, so that the middle of the groove
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +18,13 @@ from numpy.typing import NDArray
 from loopelastica._arrays import Array
 from loopelastica._checks import shown
 from loopelastica.errors import StructureError
-from loopelastica.nanostructure.bonds import LONGEST, SHORTEST, backbone_sites
-
-UNIT_NM: Final = 0.8518
-"""oxDNA's unit of length in nanometres (NM_TO_OX_UNITS of scadnano)."""
-
-RADIUS: Final = 0.6
-"""Distance of centres from the axis: the site of the base, 0.4 from the centre, and half of the
-0.4 between two bases (CM_CENTER_DS in utils/generate-sa.py of oxDNA; HYDR_R0 in src/model.h)."""
+from loopelastica.nanostructure.model import (
+    BOND_LONGEST,
+    BOND_SHORTEST,
+    HELIX_RADIUS,
+    UNIT_NM,
+    backbone_sites,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +88,7 @@ class Helices:
         angle = steps * self.turn[row] + self.groove[row] / 2 + side * np.pi / 2
         axis, up = self.direction[row], self.up[row]
         radial = np.cos(angle)[:, None] * up + np.sin(angle)[:, None] * np.cross(axis, up)
-        return self.axis_points(row, steps) + RADIUS * radial, -radial, side[:, None] * axis
+        return self.axis_points(row, steps) + HELIX_RADIUS * radial, -radial, side[:, None] * axis
 
 
 def helices_of(where: str, design: Any) -> Helices:
@@ -168,10 +167,10 @@ def _check_geometry(what: str, geometry: Any) -> None:
         if value <= 0:
             raise StructureError(f"{what}: {name} is {value:g}; it must be above 0")
     length = helix_bond(rise / UNIT_NM, 2 * np.pi / turn)
-    if not SHORTEST < length < LONGEST:
+    if not BOND_SHORTEST < length < BOND_LONGEST:
         raise StructureError(
             f"{what}: a rise of {rise:g} nm and {turn:g} bases per turn make every bond"
-            f" {length:.4f} long; oxDNA's are {SHORTEST:.4f} to {LONGEST:.4f}"
+            f" {length:.4f} long; oxDNA's are {BOND_SHORTEST:.4f} to {BOND_LONGEST:.4f}"
         )
 
 
@@ -194,6 +193,6 @@ def helix_bond(rise: float, turn: float) -> float:
     0.7066
     """
     plain = np.array([[1.0, 0, 0]]), np.array([[0.0, 0, 1]])
-    site = backbone_sites(-RADIUS * plain[0], *plain)[0]
+    site = backbone_sites(-HELIX_RADIUS * plain[0], *plain)[0]
     chord = 2 * float(np.linalg.norm(site)) * np.sin(turn / 2)
     return float(np.hypot(chord, rise))

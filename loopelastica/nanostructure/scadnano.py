@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica._checks import file_name, whole
-from loopelastica.nanostructure.bonds import bond_lengths
+from loopelastica.nanostructure.checks import check_start
 from loopelastica.nanostructure.design import Design, HelixAxis
 from loopelastica.nanostructure.helices import Helices, helices_of
 from loopelastica.nanostructure.scadnano_file import load
@@ -24,9 +23,6 @@ from loopelastica.nanostructure.scadnano_layout import (
     steps_along,
 )
 from loopelastica.nanostructure.system import System
-
-CLOSEST: Final = 0.4
-"""Centres of nucleotides that are not neighbours are further apart; oxDNA's units."""
 
 _BASES = np.array(["A", "C", "G", "T"])
 
@@ -151,22 +147,14 @@ def _axes(helices: Helices, row: Ints, steps: Array) -> Iterator[HelixAxis]:
 
 def _care(system: System) -> Iterator[str]:
     """What is drawn so that a simulation cannot begin with it as it is."""
-    from scipy.spatial import KDTree
-
-    if sentence := bond_lengths(system).sentence(system):
-        yield sentence
-    placed = np.flatnonzero(system.placed)
-    if not len(placed):
-        return
-    # the nearest only: where whole helices coincide, pairs would be beyond number
-    distance, near = KDTree(system.centre[placed]).query(
-        system.centre[placed], k=2, distance_upper_bound=CLOSEST
-    )
-    crowded = np.flatnonzero(np.isfinite(distance[:, 1]))
-    if len(crowded):
-        first = crowded[0]
-        other = near[first][near[first] != first][0]
-        yield (
-            f"{len(crowded)} nucleotides are drawn less than {CLOSEST:g} from another, first"
-            f" {system.label[placed[first]]} from {system.label[placed[other]]}"
-        )
+    found = check_start(system)
+    for faults, said in (
+        (found.broken, "bonds are outside of oxDNA's window"),
+        (found.close, "pairs of nucleotides are drawn in one place"),
+    ):
+        if len(faults):
+            i, j = faults[0]
+            yield (
+                f"{len(faults)} {said}, first from {system.label[i]} to {system.label[j]} of"
+                f" {system.strand_name[system.strand[j]]}"
+            )

@@ -1,12 +1,16 @@
 """Helices in the geometry of oxDNA2; the oracles are scadnano's exporter and its angles."""
 
+import dataclasses
+
 import helix_designs as designs
 import numpy as np
 import pytest
 
 from loopelastica.errors import StructureError
-from loopelastica.nanostructure.bonds import LONGEST, SHORTEST, backbone_sites, bond_lengths
-from loopelastica.nanostructure.helices import RADIUS, UNIT_NM, helix_bond
+from loopelastica.nanostructure.energies import bonds
+from loopelastica.nanostructure.helices import helix_bond
+from loopelastica.nanostructure.model import HELIX_RADIUS, UNIT_NM, backbone_sites
+from loopelastica.nanostructure.pairing import find_pairs
 from loopelastica.nanostructure.scadnano import read_design
 
 sc = designs.sc
@@ -76,9 +80,9 @@ def test_backbones_are_at_the_angles_that_scadnano_draws(tmp_path, forward, groo
 @pytest.mark.parametrize(("rise", "bases"), [(0.332, 10.5), (0.34, 10.67), (0.28, 11.0)])
 def test_bonds_along_a_helix_have_the_length_that_is_stated(tmp_path, rise, bases):
     design = designs.duplex(rise_per_base_pair=rise, bases_per_turn=bases)
-    bonds = bond_lengths(read_design(designs.write(design, tmp_path)).system)
-    np.testing.assert_allclose(bonds.length, helix_bond(rise / UNIT_NM, 2 * np.pi / bases))
-    assert not bonds.outside.any()
+    found = bonds(read_design(designs.write(design, tmp_path)).system)
+    np.testing.assert_allclose(found.length, helix_bond(rise / UNIT_NM, 2 * np.pi / bases))
+    assert np.isfinite(found.backbone).all()
 
 
 def test_centres_stand_at_the_models_radius_around_the_designs_axes(tmp_path):
@@ -90,7 +94,7 @@ def test_centres_stand_at_the_models_radius_around_the_designs_axes(tmp_path):
         own = system.centre[read.helix == index] - axis.begin
         along = own @ axis.direction
         distance = np.linalg.norm(own - along[:, None] * axis.direction, axis=1)
-        np.testing.assert_allclose(distance, RADIUS)
+        np.testing.assert_allclose(distance, HELIX_RADIUS)
         assert along.min() == pytest.approx(0, abs=1e-9)
         assert along.max() == pytest.approx(np.linalg.norm(axis.end - axis.begin))
 
@@ -127,10 +131,6 @@ def test_a_geometry_in_which_no_strand_can_be_bound_is_refused(tmp_path, geometr
     assert said in str(caught.value)
 
 
-def test_the_window_is_the_one_of_the_model():
-    np.testing.assert_allclose([SHORTEST, LONGEST], [0.5064, 1.0064])
-
-
 def test_a_helix_turns_with_its_group_and_nothing_of_it_changes(tmp_path):
     flat = designs.turned_groups(150)
     turned = designs.turned_groups(150)
@@ -138,5 +138,18 @@ def test_a_helix_turns_with_its_group_and_nothing_of_it_changes(tmp_path):
         group.yaw, group.pitch, group.roll = group.yaw + 70, -group.pitch, group.roll - 33
     one, other = (read_design(designs.write(design, tmp_path)).system for design in (flat, turned))
     assert np.abs(one.centre - other.centre).max() > 1
-    lengths = [bond_lengths(s).length for s in (one, other)]
+    lengths = [bonds(s).length for s in (one, other)]
     np.testing.assert_allclose(*lengths)
+
+
+def test_partners_are_those_that_the_models_hydrogen_bonds_find(tmp_path):
+    system = read_design(designs.write(designs.turned_groups(150), tmp_path)).system
+    np.testing.assert_array_equal(find_pairs(system), system.pair)
+
+
+def test_bases_stack_along_each_strand(tmp_path):
+    system = read_design(designs.write(designs.duplex(), tmp_path)).system
+    # turned over, with a3 from 5' to 3', nothing stacks
+    assert bonds(system).stacking.max() < -1
+    over = dataclasses.replace(system, a3=-system.a3)
+    np.testing.assert_array_equal(bonds(over).stacking, 0)
