@@ -30,6 +30,7 @@ _PUBLIC = {
     "Hairpin": "molecule.hairpins",
     "Hairpins": "molecule.hairpins",
     "fold": "folding.fold",
+    "Folds": "folding.folds",
     "LoopFold": "folding.result",
     "scan": "folding.scan",
     "LoopScan": "folding.scan",
@@ -47,6 +48,7 @@ _PUBLIC = {
     "FilledStrand": "filling.result",
     "restraints": "simulation",
     "to_dataframe": "report.dataframe",
+    "write_report": "report.page.write",
     "LoopelasticaError": "errors",
     "StructureError": "errors",
     "MissingDependencyError": "errors",
@@ -67,6 +69,7 @@ if TYPE_CHECKING:
     from loopelastica.filling.result import FilledStrand as FilledStrand
     from loopelastica.filling.result import Filling as Filling
     from loopelastica.folding.fold import fold as fold
+    from loopelastica.folding.folds import Folds as Folds
     from loopelastica.folding.library import Library as Library
     from loopelastica.folding.library_file import load_library as load_library
     from loopelastica.folding.rank import Candidate as Candidate
@@ -78,6 +81,7 @@ if TYPE_CHECKING:
     from loopelastica.molecule.hairpins import Hairpins as Hairpins
     from loopelastica.molecule.hairpins import find_hairpins as find_hairpins
     from loopelastica.report.dataframe import to_dataframe as to_dataframe
+    from loopelastica.report.page.write import write_report as write_report
     from loopelastica.rod.barriers import Barrier as Barrier
     from loopelastica.rod.barriers import Barriers as Barriers
     from loopelastica.rod.barriers import barriers as barriers

@@ -1,17 +1,21 @@
 """Checks of arguments: each gives the value back in its own type or a ValueError that names it."""
 
+import difflib
+import functools
+import inspect
 import math
 import os
 import reprlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from numbers import Real
-from typing import Any, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Check = Callable[[str, Any], Any]
 T = TypeVar("T")
+P = ParamSpec("P")
 
 _SHOWN = 60
 _repr = reprlib.Repr()
@@ -161,3 +165,48 @@ def _is_finite(value: Any) -> bool:
         return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
     except OverflowError:  # a whole number beyond the floating-point ones
         return False
+
+
+def known_keywords(function: str, given: Iterable[str], known: Iterable[str]) -> None:
+    """TypeError for a keyword that a function does not take; the sentence names the nearest.
+
+    Parameters
+    ----------
+    function : str
+        Its name.
+    given : iterable of str
+        Keywords of the call.
+    known : iterable of str
+        Keywords that it takes.
+
+    Examples
+    --------
+    >>> known_keywords("fold", ["tapper"], ["taper", "like"])
+    Traceback (most recent call last):
+        ...
+    TypeError: fold takes no `tapper`; the nearest that it takes is `taper`
+    """
+    names = [*known]
+    for name in given:
+        if name in names:
+            continue
+        near = difflib.get_close_matches(name, names, n=1)
+        more = f"the nearest that it takes is `{near[0]}`" if near else f"it takes {_listed(names)}"
+        raise TypeError(f"{function} takes no `{name}`; {more}")
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names) or "no keyword"
+
+
+def keywords_known(function: Callable[P, T]) -> Callable[P, T]:
+    """Let a function say which keyword it knows in place of one that it does not."""
+    parameters = inspect.signature(function).parameters.values()
+    names = [p.name for p in parameters if p.kind in (p.KEYWORD_ONLY, p.POSITIONAL_OR_KEYWORD)]
+
+    @functools.wraps(function)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> T:
+        known_keywords(function.__name__, kwargs, names)
+        return function(*args, **kwargs)
+
+    return checked

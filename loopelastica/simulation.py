@@ -48,6 +48,17 @@ def restraints(
         If there is no candidate of that rank, or an argument is out of range.
     MissingDependencyError
         If OpenMM is not installed.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> from openmm.app import PDBFile
+    >>> from loopelastica._files import data_path
+    >>> path = str(data_path("hairpins/2koc.pdb"))
+    >>> (loop,) = le.fold(path, all_models=False, shapes="rod")
+    >>> force = restraints(loop, PDBFile(path).topology)
+    >>> force.getNumBonds(), force.getBondParameters(0)[1][0] > 0.0
+    (4, True)
     """
     try:
         openmm = importlib.import_module("openmm")

@@ -1,31 +1,69 @@
 import os
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-# the full run takes a quarter of an hour
+# a short minimization and a hundred steps; the full run takes minutes
 QUICK = {"simulate_hairpin": {"PICOSECONDS": "0.4"}}
-NEEDED = {"simulate_hairpin": "openmm"}
+NEEDED = {"simulate_hairpin": "openmm", "analyse_trajectory": "pandas"}
 EXAMPLES = sorted((Path(__file__).resolve().parents[1] / "examples").glob("*.py"))
+# those that need a program of their own, which the documentation does not run either
+RENDERED = [script for script in EXAMPLES if script.stem.startswith("render_")]
+GALLERY = [script for script in EXAMPLES if script not in RENDERED]
 
 
-@pytest.mark.parametrize("script", EXAMPLES, ids=lambda p: p.stem)
+def run(script, folder, **variables):
+    return subprocess.run(
+        [sys.executable, "-W", "error::RuntimeWarning", str(script)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "MPLBACKEND": "agg", **variables},
+    )
+
+
+@pytest.mark.parametrize("script", GALLERY, ids=lambda p: p.stem)
 def test_each_example_runs_and_draws_its_picture(script, tmp_path):
     if script.stem in NEEDED:
         pytest.importorskip(NEEDED[script.stem])
-    done = subprocess.run(
-        [sys.executable, "-W", "error::RuntimeWarning", str(script)],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        env={**os.environ, **QUICK.get(script.stem, {})},
-    )
+    done = run(script, tmp_path, **QUICK.get(script.stem, {}))
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip()
     assert (tmp_path / f"{script.stem}.png").stat().st_size > 5000
 
 
-def test_there_are_examples():
-    assert EXAMPLES
+@pytest.mark.parametrize("script", GALLERY, ids=lambda p: p.stem)
+def test_each_example_is_a_page_of_a_gallery(script):
+    text = script.read_text(encoding="utf-8")
+    head = re.match(r'"""\n([^\n]+)\n(=+)\n\n(.+?)"""\n', text, re.DOTALL)
+    assert head, "it begins with a title, underlined, and what it is about"
+    assert len(head[1]) == len(head[2])
+    assert text.count("\n# %%\n") >= 3
+    assert "__file__" not in text, "a gallery runs it without that name"
+    assert "matplotlib.use" not in text, "a gallery has a backend of its own"
+
+
+def test_there_are_eight_subjects_at_least():
+    assert len(GALLERY) >= 8
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not shutil.which("pymol"), reason="PyMOL is not installed")
+@pytest.mark.parametrize("script", RENDERED, ids=lambda p: p.stem)
+def test_a_rendered_molecule_is_a_picture_of_moderate_size(script, tmp_path):
+    done = run(script, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert 20_000 < (tmp_path / f"{script.stem}.png").stat().st_size < 400_000
+
+
+@pytest.mark.parametrize("script", RENDERED, ids=lambda p: p.stem)
+def test_without_pymol_a_rendering_says_so_in_a_sentence(script, tmp_path):
+    done = run(script, tmp_path, PATH=str(tmp_path))
+    assert done.returncode != 0
+    assert "PyMOL" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1

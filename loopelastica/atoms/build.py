@@ -5,6 +5,7 @@ text → nucleotides, pairs → stem → folded loop → atoms
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from os import PathLike
 from pathlib import Path
@@ -14,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import file_name, flag, shown, whole
+from loopelastica._checks import file_name, flag, keywords_known, shown, whole
+from loopelastica._html import html_table
 from loopelastica.atoms.hairpin import CHAIN, FoldedHairpin, fold_sequence, universe_of
 from loopelastica.atoms.hydrogens import Hydrogens, add_hydrogens
 from loopelastica.atoms.model import AtomModel, build_atoms
@@ -22,6 +24,8 @@ from loopelastica.atoms.sequence import read_sequence
 from loopelastica.atoms.terminals import chain_bonds
 from loopelastica.atoms.turn import check_contact
 from loopelastica.errors import StructureError
+from loopelastica.folding.expected import expected_text
+from loopelastica.folding.result import LoopFold
 from loopelastica.molecule.polymer import Monomer
 
 
@@ -60,6 +64,13 @@ class HairpinModel(AtomModel):
         The loop's atoms on all lines that were asked for, ranked.
     hydrogens : bool
         Whether the whole of it has hydrogens.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> model = le.build("GGC(GAA)GCC", rna=False, candidates=2)
+    >>> model.sequence, len(model.candidates), model.universe().atoms.n_residues
+    ('GGC(GAA)GCC', 2, 9)
     """
 
     hairpin: FoldedHairpin
@@ -70,6 +81,39 @@ class HairpinModel(AtomModel):
         sound = "sound" if self.checks.sound else "not sound"
         n = len(self.hairpin.sequence.residues)
         return f"<HairpinModel {self.rank}: {self.sequence}, {n} nucleotides, {sound}>"
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Give a row per candidate, for :func:`loopelastica.to_dataframe`.
+
+        Yields
+        ------
+        dict
+            ``sequence`` and ``shape``, then as of an :class:`AtomModel`.
+        """
+        from loopelastica.report.atoms import model_row
+
+        shapes = {candidate.rank: candidate.shape for candidate in self.loop.candidates}
+        for model in self.models:
+            about = {"sequence": self.sequence, "shape": shapes[model.rank]}
+            yield {**about, **model_row(model)}
+
+    def _repr_html_(self) -> str:
+        """A table of the candidates, for notebooks."""
+        rows = [
+            (
+                one.rank,
+                shape.shape,
+                expected_text(shape.expected_rmsd_A),
+                "sound" if one.checks.sound else "; ".join(one.checks.wrong),
+            )
+            for one, shape in zip(self.models, self.loop.candidates, strict=False)
+        ]
+        return html_table(self.sequence, ("rank", "shape", "expected (Å)", "atoms"), rows)
+
+    @property
+    def loop(self) -> LoopFold:
+        """The folded loop: ``loop.write(folder, atoms=model.models)`` writes its folder."""
+        return self.hairpin.fold
 
     @property
     def candidates(self) -> tuple[HairpinModel, ...]:
@@ -104,7 +148,12 @@ class HairpinModel(AtomModel):
         )
 
     def universe(self) -> Any:
-        """The atoms of stem and loop as an MDAnalysis Universe."""
+        """The atoms of stem and loop as an MDAnalysis Universe.
+
+        Returns
+        -------
+        MDAnalysis.Universe
+        """
         atoms = self.atoms
         residues = self.hairpin.sequence.residues
         return universe_of(residues, atoms.names, (atoms.resids - 1).tolist(), atoms.positions_A)
@@ -171,6 +220,7 @@ class HairpinModel(AtomModel):
         ]
 
 
+@keywords_known
 def build(
     sequence: str,
     rna: bool | None = None,

@@ -19,6 +19,7 @@ from loopelastica.folding.hypotheses import Scene
 from loopelastica.folding.known import library_at
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.result import LoopFold
+from loopelastica.folding.source import hairpin_source
 from loopelastica.molecule.hairpins import Hairpin
 from loopelastica.molecule.nucleotides import Structure, read_structure
 from loopelastica.molecule.reading import quiet
@@ -79,7 +80,8 @@ def fold_sequence(
     fold = fold_model(structure.nucleotides, hairpin, positions, options, scene)
     if fold.failure is not None:
         raise StructureError(fold.failure)
-    return FoldedHairpin(sequence, structure, fold, positions)
+    source = hairpin_source(structure, positions, sequence.letters, str(sequence))
+    return FoldedHairpin(sequence, structure, replace(fold, source=source), positions)
 
 
 def ideal_hairpin(

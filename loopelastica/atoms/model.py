@@ -8,14 +8,14 @@ motion of the input moves the atoms by the same motion and by nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import array, optional, positive, shown, whole
+from loopelastica._checks import array, keywords_known, optional, positive, shown, whole
 from loopelastica.atoms.carry import curve_on
 from loopelastica.atoms.checks import Checks
 from loopelastica.atoms.chemistry import LoopMolecule
@@ -56,6 +56,15 @@ class AtomModel(Record):
         where the file has none.
     carried : bool
         Whether sugars and bases began where those of a template were carried to, not on the line.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> (loop,) = le.fold(data_path("hairpins/2koc.pdb"), all_models=False, shapes="rod")
+    >>> (model,) = loop.atoms(max_candidates=1)
+    >>> model.checks.sound, model.positions_A.shape, round(model.rmsd_A, 2)
+    (True, (95, 3), 2.41)
     """
 
     rank: int
@@ -69,12 +78,25 @@ class AtomModel(Record):
     rmsd_A: float | None
     carried: bool = False
 
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Give its row, for :func:`loopelastica.to_dataframe`.
+
+        Yields
+        ------
+        dict
+            ``rank``, ``sound``, and what was measured on its atoms.
+        """
+        from loopelastica.report.atoms import model_row
+
+        yield model_row(self)
+
     def __repr__(self) -> str:
         sound = "sound" if self.checks.sound else "not sound"
         rmsd = "" if self.rmsd_A is None else f", RMSD {self.rmsd_A:.2f} Å"
         return f"<AtomModel {self.rank}: {len(self.positions_A)} atoms, {sound}{rmsd}>"
 
 
+@keywords_known
 def build_atoms(
     structure: Any,
     fold: LoopFold,

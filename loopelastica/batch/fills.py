@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from loopelastica.batch.journal import Record
-from loopelastica.batch.run import Task, Work
+from loopelastica.batch.run import Work
+from loopelastica.batch.tasks import Task
 from loopelastica.filling.fill import fill_entry
 from loopelastica.filling.folder import (
     STRAND_COLUMNS,
@@ -21,10 +22,12 @@ COLUMNS = ("file", *STRAND_COLUMNS, "folder")
 def fill_file(task: Task) -> Record:
     """Fill the strands of a file and write its folder; a row per strand.
 
-    ``task.options`` holds the options of :func:`loopelastica.fill`.
+    ``task.options`` holds the options of :func:`loopelastica.fill`, and ``report`` where what
+    report.html shows is to be written too.
     """
-    source = Path(task.source)
-    options = FillOptions(**task.options)
+    source, given = Path(task.source), dict(task.options)
+    report = given.pop("report", False)
+    options = FillOptions(**given)
     filling = fill_entry(read_entry(source, options.limits), options)
     folder = folder_of(Path(task.out), source, task.number)
     record: Record = {
@@ -34,7 +37,7 @@ def fill_file(task: Task) -> Record:
         "folder": folder.name,
     }
     try:
-        record["folder_key"] = write_folder(folder, filling)
+        record["folder_key"] = write_folder(folder, filling, scene=report)
     except FileExistsError as error:
         record["failures"].append(str(error))
         record["refused"] = True

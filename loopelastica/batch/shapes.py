@@ -11,7 +11,8 @@ from typing import Any
 
 from loopelastica._checks import flag, instance, shown
 from loopelastica.batch.journal import Record
-from loopelastica.batch.run import Task, Work, distinct, run, tasks_of
+from loopelastica.batch.run import Work, run
+from loopelastica.batch.tasks import Task, distinct, tasks_of
 from loopelastica.batch.workers import check_workers
 from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.gathering import found_loop, loop_rows
@@ -54,16 +55,23 @@ class LibraryBuild:
         A row per loop found.
     n_files, n_resumed : int
         Files; those that were done before.
-    failures, notes : tuple of str
-        One sentence for each file that failed; for what was left out, and why.
+    failed : tuple of dict
+        ``file`` and ``failure``, a sentence, for each file that failed.
+    notes : tuple of str
+        One sentence for what was left out, and why.
     """
 
     library: Library
     table: Path
     n_files: int
     n_resumed: int
-    failures: tuple[str, ...]
+    failed: tuple[dict[str, str], ...]
     notes: tuple[str, ...]
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """One sentence for each file that failed."""
+        return tuple(failure["failure"] for failure in self.failed)
 
 
 def build_library(
@@ -97,7 +105,9 @@ def build_library(
         The library, such as loops.lib.
     with_contacts : bool
         Take loops too that make a canonical pair elsewhere.
-    jobs, scheduler
+    jobs : int
+        How many processes.
+    scheduler : str, optional
         As for :func:`loopelastica.batch.workers.outcomes`.
     progress : bool
         Show a bar.
@@ -125,7 +135,7 @@ def build_library(
     >>> import tempfile
     >>> from loopelastica._files import data_path
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     print(build_library(data_path("hairpins"), f"{folder}/loops.lib").library)
+    ...     print(build_library(data_path("hairpins/2koc.pdb"), f"{folder}/loops.lib").library)
     <Library of 1 loop: RNA4>
     """
     if not isinstance(out, str | os.PathLike):
@@ -161,7 +171,7 @@ def build_library(
         done.table,
         done.n_files,
         done.n_resumed,
-        done.failures,
+        done.failed,
         (*again, *done.notes, *notes),
     )
 

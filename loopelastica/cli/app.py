@@ -21,7 +21,7 @@ app = typer.Typer(
     help="Folds nucleic-acid hairpin loops as elastic rods clamped to their stems.",
     epilog=EPILOG,
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
     # plain help takes half the time of the coloured one
     rich_markup_mode=None,
@@ -44,7 +44,10 @@ def _version(requested: bool) -> None:
 @app.callback()
 def _main(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+        bool,
+        typer.Option(
+            "-V", "--version", callback=_version, is_eager=True, help="Print the version."
+        ),
     ] = False,
 ) -> None:
     # what the package has to say while it works

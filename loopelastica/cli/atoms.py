@@ -12,8 +12,10 @@ if TYPE_CHECKING:
 def atoms_of(
     structure: "Structure",
     loop: "LoopFold",
-    positions: "Array",
-    contact: str | None,
+    positions: "Array | None" = None,
+    *,
+    contact: str | None = None,
+    progress: bool = True,
     **written: Any,
 ) -> "LoopAtoms":
     """Atoms of all candidates, with a progress bar.
@@ -24,10 +26,12 @@ def atoms_of(
         What was folded.
     loop : LoopFold
         One of its loops.
-    positions : (n_atoms, 3) array
-        Of all atoms, Å.
+    positions : (n_atoms, 3) array, optional
+        Of all atoms, Å; default those of the first model.
     contact : str or None
         As for :func:`build_atoms`.
+    progress : bool
+        Whether there is a bar, on a terminal.
     **written
         What is written of them: fields of ``LoopAtoms``, such as ``hydrogens``.
 
@@ -35,12 +39,14 @@ def atoms_of(
     -------
     LoopAtoms
     """
-    from tqdm import tqdm
-
+    from loopelastica._progress import progress_bar
     from loopelastica.atoms.model import build_atoms
     from loopelastica.report.atoms import LoopAtoms
 
-    with tqdm(total=len(loop.candidates), unit="model", leave=False) as bar:
+    if positions is None:
+        positions = structure.positions(0)
+    total = len(loop.candidates)
+    with progress_bar(total=total, shown=progress, unit="model", leave=False) as bar:
         models = build_atoms(
             structure,
             loop,

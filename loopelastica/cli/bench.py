@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from loopelastica.cli import options as o
-from loopelastica.cli.program import Command, tell
+from loopelastica.cli.program import Command
+from loopelastica.cli.screen import Screen
 
 bench = typer.Typer(help="Measure the solvers; write tables and pictures.", no_args_is_help=True)
 
@@ -26,22 +27,28 @@ def bench_paper(
     own_full: Annotated[
         bool, typer.Option("--own-full", help="Every rod for the package's own solver only.")
     ] = False,
+    quiet: o.Quiet = False,
 ) -> None:
-    """Rerun the studies of Figs. 3, 4 and 5 of the 2018 paper: its printed method, and ours."""
+    """Rerun the studies of the 2018 paper: its method, and ours.
+
+    Those of its figures 3, 4 and 5, by its printed method.
+    """
+    screen = Screen("bench paper", "tables", quiet)
     o.refuse(
         (full and sample is not None, "--sample goes without --full"),
         (full and own_full, "--own-full goes without --full, which includes it"),
     )
     from loopelastica.studies.bench.paper import run
 
-    with o.study(out):
+    with o.study(out, screen):
         run(
             out,
             full=full,
             sample=400 if sample is None else sample,
-            progress=True,
+            progress=not quiet,
             own_full=own_full,
         )
+        _show(screen, out / "paper.md")
 
 
 @bench.command("atoms", cls=Command)
@@ -51,16 +58,20 @@ def bench_atoms(
     sample: Annotated[
         int | None, typer.Option(help="Only so many files, evenly spread.", min=1)
     ] = None,
+    quiet: o.Quiet = False,
 ) -> None:
-    """Build the first candidate's atoms for every simple loop of a folder; judge the models."""
+    """Build atoms for every simple loop of a folder; judge them.
+
+    Those of the first candidate.
+    """
+    screen = Screen("bench atoms", "tables", quiet)
     from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.bench.atoms import run
 
     with o.usage():
         structure_files(folder)  # before a folder is made
-    with o.study(out):
-        for line in run(folder, out, sample=sample, progress=True).splitlines():
-            tell(line)
+    with o.study(out, screen):
+        screen.show(*run(folder, out, sample=sample, progress=not quiet).splitlines())
 
 
 @bench.command("simulation", cls=Command)
@@ -70,16 +81,20 @@ def bench_simulation(
     full: Annotated[
         bool, typer.Option("--full", help="Every file, twenty built hairpins; an hour.")
     ] = False,
+    quiet: o.Quiet = False,
 ) -> None:
-    """Hand folded and built models, and natives, to OpenMM's force fields; minimize them."""
+    """Hand models and natives to OpenMM's force fields.
+
+    Folded and built ones; they are minimized.
+    """
+    screen = Screen("bench simulation", "tables", quiet)
     from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.simulation.study import run
 
     with o.usage():
         structure_files(folder)  # before a folder is made
-    with o.study(out):
-        for line in run(folder, out, full=full, progress=True).splitlines():
-            tell(line)
+    with o.study(out, screen):
+        screen.show(*run(folder, out, full=full, progress=not quiet).splitlines())
 
 
 @bench.command("strands", cls=Command)
@@ -94,17 +109,22 @@ def bench_strands(
     pdbfixer: Annotated[
         bool, typer.Option("--pdbfixer", help="Fill them with PDBFixer too (some hours).")
     ] = False,
+    quiet: o.Quiet = False,
 ) -> None:
-    """Take strands out of structures, fill them again, and compare with simpler curves."""
+    """Take strands out of structures and fill them again.
+
+    Simpler curves are compared with what is filled.
+    """
+    screen = Screen("bench strands", "tables", quiet)
     from loopelastica.molecule.folders import structure_files
     from loopelastica.studies.strands.deletion import run
 
     with o.usage():
         for folder in folders:
             structure_files(folder)  # before a folder is made
-    with o.study(out):
-        for line in run(folders, out, sample=sample, pdbfixer=pdbfixer, progress=True).splitlines():
-            tell(line)
+    with o.study(out, screen):
+        run(folders, out, sample=sample, pdbfixer=pdbfixer, progress=not quiet)
+        _show(screen, out / "strands.md")
 
 
 @bench.command("stability", cls=Command)
@@ -112,12 +132,18 @@ def bench_stability(
     out: _Out = _RESULTS / "stability",
     full: Annotated[bool, typer.Option("--full", help="Large samples; some minutes.")] = False,
     seed: _Seed = 2026,
+    quiet: o.Quiet = False,
 ) -> None:
-    """Solve stiff, extreme and degenerate clampings; judge each result independently."""
+    """Solve stiff, extreme and degenerate clampings.
+
+    Each result is judged independently.
+    """
+    screen = Screen("bench stability", "tables", quiet)
     from loopelastica.studies.bench.stability import run
 
-    with o.study(out):
-        run(out, full=full, seed=seed, progress=True)
+    with o.study(out, screen):
+        run(out, full=full, seed=seed, progress=not quiet)
+        _show(screen, out / "stability.md")
 
 
 @bench.command("accuracy", cls=Command)
@@ -125,12 +151,18 @@ def bench_accuracy(
     out: _Out = _RESULTS / "accuracy",
     full: Annotated[bool, typer.Option("--full", help="Large samples, forty minutes.")] = False,
     seed: _Seed = 2026,
+    quiet: o.Quiet = False,
 ) -> None:
-    """Compare error and run time with the paper's method and SciPy's, on the same targets."""
+    """Compare error and run time with other methods.
+
+    With the paper's method and SciPy's, on the same targets.
+    """
+    screen = Screen("bench accuracy", "tables", quiet)
     from loopelastica.studies.bench.accuracy import run
 
-    with o.study(out):
-        run(out, full=full, seed=seed, progress=True)
+    with o.study(out, screen):
+        run(out, full=full, seed=seed, progress=not quiet)
+        _show(screen, out / "accuracy.md")
 
 
 @bench.command("scaling", cls=Command)
@@ -138,12 +170,18 @@ def bench_scaling(
     out: _Out = _RESULTS / "scaling",
     full: Annotated[bool, typer.Option("--full", help="Up to a million rods.")] = False,
     seed: _Seed = 2026,
+    quiet: o.Quiet = False,
 ) -> None:
-    """Measure time and memory over the number of rods, threads, length and equilibria."""
+    """Measure time and memory over the number of rods.
+
+    And over the number of threads, the length, and the number of equilibria.
+    """
+    screen = Screen("bench scaling", "tables", quiet)
     from loopelastica.studies.bench.scaling import run
 
-    with o.study(out):
-        run(out, full=full, seed=seed, progress=True)
+    with o.study(out, screen):
+        run(out, full=full, seed=seed, progress=not quiet)
+        _show(screen, out / "scaling.md")
 
 
 @bench.command("completeness", cls=Command)
@@ -153,9 +191,23 @@ def bench_completeness(
         bool, typer.Option("--full", help="200 poses instead of 24; half an hour.")
     ] = False,
     seed: _Seed = 2026,
+    quiet: o.Quiet = False,
 ) -> None:
-    """Judge lists of equilibria, and what they say of their gaps, by an independent search."""
+    """Judge lists of equilibria by an independent search.
+
+    And what they say of their gaps.
+    """
+    screen = Screen("bench completeness", "tables", quiet)
     from loopelastica.studies.completeness.study import run
 
-    with o.study(out):
-        run(out, full=full, seed=seed, progress=True)
+    with o.study(out, screen):
+        run(out, full=full, seed=seed, progress=not quiet)
+        _show(screen, out / "report.md")
+
+
+def _show(screen: Screen, report: Path) -> None:
+    """Print what a study has written."""
+    from loopelastica.report.screen.markdown import markdown_screen
+
+    if screen.talks:
+        screen.show(*markdown_screen(report.read_text(encoding="utf-8")))

@@ -2,8 +2,9 @@
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -11,11 +12,12 @@ import typer
 
 from loopelastica.cli import options as o
 from loopelastica.cli.program import in_options
+from loopelastica.cli.screen import Screen
 
 if TYPE_CHECKING:
     from loopelastica.atoms.hairpin import FoldedHairpin
     from loopelastica.atoms.sequence import HairpinSequence
-    from loopelastica.folding.result import LoopFold
+    from loopelastica.molecule.fasta import Entry
     from loopelastica.report.atoms import LoopAtoms
     from loopelastica.report.folder import Folders
 
@@ -59,28 +61,38 @@ def build(
     names: o.Names = "pdb",
     separate: o.Separate = False,
     plot: o.Plot = True,
+    report: o.Report = None,
+    quiet: o.Quiet = False,
+    as_json: o.AsJson = False,
 ) -> None:
-    """Build hairpins from their sequences alone: ideal stem, folded loop, atoms.
+    """Build hairpins from their sequences alone.
 
-    Of a FASTA file each hairpin gets a folder; the folder for the results gets summary.csv, a row
-    per candidate, and failures.csv.
+    Each has an ideal stem, a folded loop and atoms, and gets a folder; the folder for the results
+    gets summary.csv, a row per candidate, and failures.csv.
     """
     from loopelastica.atoms.conventions import check_names
     from loopelastica.atoms.sequence import read_sequence
     from loopelastica.atoms.turn import check_contact
+    from loopelastica.molecule.fasta import Entry, read_fasta
 
+    screen = Screen("build", "loops", quiet, as_json)
     with o.usage():
         check_contact(contact)
         check_names("names", names)
     written = {"hydrogens": hydrogens, "names": names, "separate": separate}
-    options = _Options(rna, candidates, phosphate, mismatches, plot, contact, written)
+    page = o.has_report(report)
+    options = _Options(
+        rna, candidates, phosphate, mismatches, plot, page, contact, not quiet, written
+    )
     if _is_path(sequence):
         o.refuse((structure is not None, "STRUCTURE goes without a FASTA file"))
-        _build_all(Path(sequence), out, options)
+        read = partial(_read_entry, options=options)
+        _build_all(screen, read_fasta(Path(sequence)), read, out, options)
     else:
+        # of one sequence a mistake is one of usage, and nothing is written
         with o.usage():
             hairpin = read_sequence(sequence, structure, rna=rna, mismatches=mismatches)
-        _build_one(hairpin, out, options)
+        _build_all(screen, [Entry(hairpin.letters, sequence)], lambda _: hairpin, out, options)
 
 
 @dataclass(frozen=True)
@@ -90,7 +102,9 @@ class _Options:
     phosphate: bool
     mismatches: bool
     plot: bool
+    report: bool
     contact: str | None
+    progress: bool
     written: dict[str, Any]
 
 
@@ -116,44 +130,42 @@ def _is_path(text: str) -> bool:
         return False
 
 
-def _build_one(hairpin: "HairpinSequence", out: Path, options: _Options) -> None:
-    from loopelastica._files import make_folder
-    from loopelastica.report.folder import Folders
-
-    folded = _folded(hairpin, options)
-    make_folder(out)
-    built = _write(hairpin.letters, folded, Folders(out), options)
-    _show([built], [])
-    o.note([*folded.structure.remarks, *built.atoms.remarks])
-    o.fail([built.failure] if built.failure else [])
-
-
-def _build_all(path: Path, out: Path, options: _Options) -> None:
-    """All hairpins of a FASTA file; one that fails leaves the others alone."""
-    from tqdm import tqdm
-
-    from loopelastica._files import write_csv
+def _read_entry(entry: "Entry", options: _Options) -> "HairpinSequence":
     from loopelastica.atoms.sequence import read_sequence
+
+    return read_sequence(entry.text, rna=options.rna, mismatches=options.mismatches)
+
+
+def _build_all(
+    screen: Screen,
+    entries: "Sequence[Entry]",
+    read: "Callable[[Entry], HairpinSequence]",
+    out: Path,
+    options: _Options,
+) -> None:
+    """All hairpins; one that fails leaves the others alone."""
+    from loopelastica._files import write_csv
+    from loopelastica._progress import progress_bar
     from loopelastica.batch.folds import COLUMNS, loop_rows
     from loopelastica.batch.lock import alone_in
     from loopelastica.batch.run import FAILURE_COLUMNS, check_tables
     from loopelastica.batch.workers import attempt
-    from loopelastica.molecule.fasta import Entry, read_fasta
     from loopelastica.report.folder import Folders
+    from loopelastica.report.page.write import renew_report
 
-    entries, folders = read_fasta(path), Folders(out)
+    folders = Folders(out)
     done: list[_Built] = []
     rows: list[dict[str, Any]] = []
     failures: list[dict[str, str]] = []
 
-    def build_next(entry: Entry) -> _Built:
-        read = read_sequence(entry.text, rna=options.rna, mismatches=options.mismatches)
-        return _write(entry.name, _folded(read, options), folders, options)
+    def build_next(entry: "Entry") -> _Built:
+        return _write(entry.name, _folded(read(entry), options), folders, options)
 
     with alone_in(out):
         check_tables(out, "summary")
         try:
-            for entry in tqdm(entries, disable=len(entries) < 2, unit="hairpin", leave=False):
+            several = options.progress and len(entries) > 1
+            for entry in progress_bar(entries, shown=several, unit="hairpin", leave=False):
                 outcome = attempt(build_next, entry)
                 said, built = outcome.failure, outcome.value
                 if built is not None:
@@ -170,15 +182,44 @@ def _build_all(path: Path, out: Path, options: _Options) -> None:
             # what is done has its rows, however the run ends
             write_csv(out / "summary.csv", rows, COLUMNS)
             write_csv(out / "failures.csv", failures, FAILURE_COLUMNS)
-    _show(done, [failure["file"] for failure in failures])
-    o.note(
-        [
-            f"{built.name}: {remark}"
-            for built in done
-            for remark in (*built.atoms.structure.remarks, *built.atoms.remarks)
-        ]
+            page = renew_report(out, options.report)
+    _end(screen, out, done, rows, failures, page)
+
+
+def _end(
+    screen: Screen,
+    out: Path,
+    done: Sequence[_Built],
+    rows: Sequence[dict[str, Any]],
+    failures: Sequence[dict[str, str]],
+    page: Path | None,
+) -> None:
+    """Say what was built and what was not."""
+    from loopelastica.report.documents import fold_documents
+    from loopelastica.report.screen.folds import fold_screen
+
+    screen.show(*fold_screen(rows, str(out)))
+    if rows:
+        screen.show(
+            "",
+            f"Written to {out}: a folder per hairpin, with atoms.pdb, atoms.cif and ranking.csv,"
+            " and summary.csv, a row per candidate."
+            + o.page_text(page)
+            + o.failures_text(len(failures)),
+        )
+    notes = [
+        f"{built.name}: {remark}"
+        for built in done
+        for remark in (*built.atoms.structure.remarks, *built.atoms.remarks)
+    ]
+    names = [built.name for built in done] if len(done) + len(failures) == 1 else []
+    screen.note(notes, "in the hairpins' atoms.json", names)
+    screen.end(
+        fold_documents(out, rows) if screen.as_json else (),
+        failures,
+        f"in {out / 'failures.csv'}",
+        folder=str(out),
     )
-    o.fail_of_many([failure["failure"] for failure in failures], out)
 
 
 def _folded(hairpin: "HairpinSequence", options: _Options) -> "FoldedHairpin":
@@ -191,22 +232,23 @@ def _write(name: str, folded: "FoldedHairpin", folders: "Folders", options: _Opt
     """Build the atoms and write the folder of one hairpin."""
     from loopelastica._names import safe_name
     from loopelastica.cli.atoms import atoms_of
+    from loopelastica.molecule.setting import Settings
     from loopelastica.report.folder import write_fold
 
     structure, fold = folded.structure, folded.fold
-    atoms = atoms_of(structure, fold, folded.positions_A, options.contact, **options.written)
+    atoms = atoms_of(
+        structure,
+        fold,
+        folded.positions_A,
+        contact=options.contact,
+        progress=options.progress,
+        **options.written,
+    )
     # a name has no suffix, whatever dots are in it
     folder = folders.claim(Path(f"{safe_name(name, 150)}.fasta"), fold)
-    write_fold(folder, str(folded.sequence), fold, structure, options.plot, atoms=atoms)
+    settings = Settings(structure, folded.positions_A)
+    write_fold(
+        folder, str(folded.sequence), fold, structure, options.plot, atoms=atoms,
+        settings=settings, report=options.report,
+    )  # fmt: skip
     return _Built(name, atoms, folder)
-
-
-def _show(done: "Sequence[_Built]", failed: Sequence[str]) -> None:
-    from loopelastica.report.tables import atoms_table, console, fold_table
-
-    shown: list[tuple[str, LoopFold | str, Path | None]] = []
-    shown += [(built.name, built.atoms.fold, built.folder) for built in done]
-    shown += [(name, "", None) for name in failed if name not in {built.name for built in done}]
-    console().print(fold_table(shown))
-    if done:
-        console().print(atoms_table([(built.name, built.atoms) for built in done]))

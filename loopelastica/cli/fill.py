@@ -1,12 +1,16 @@
 """``loopelastica fill``: files with gaps to files without, one by one or on many processes."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from loopelastica.cli import options as o
-from loopelastica.cli.program import in_options, tell
+from loopelastica.cli.program import in_options
+from loopelastica.cli.screen import Screen
+
+if TYPE_CHECKING:
+    from loopelastica.batch.run import Run
 
 _Strands = Annotated[
     list[str] | None,
@@ -70,24 +74,29 @@ def fill(
     library: _Library = None,
     max_size: o.MaxSize = None,
     max_atoms: o.MaxAtoms = None,
+    report: o.Report = None,
     jobs: o.Jobs = None,
     scheduler: o.Scheduler = None,
+    quiet: o.Quiet = False,
+    as_json: o.AsJson = False,
 ) -> None:
-    """Fill every internal gap of DNA and RNA chains; write each structure with it filled.
+    """Fill every internal gap of DNA and RNA chains.
 
     Each file gets a folder with filled.pdb or filled.cif, as it came, and fill.json; the folder for
     the results gets summary.csv, a row per strand, and failures.csv. The same command resumes a run
     that was stopped.
     """
     from loopelastica.batch.fills import FILLS
-    from loopelastica.batch.run import distinct, run, tasks_of
+    from loopelastica.batch.run import run
+    from loopelastica.batch.tasks import distinct, tasks_of
     from loopelastica.filling.options import FillOptions
     from loopelastica.folding.known import library_at
     from loopelastica.folding.like import check_strands, file_of
-    from loopelastica.report.tables import console, fill_table
+    from loopelastica.molecule.folders import with_folders
 
+    screen = Screen("fill", "files", quiet, as_json)
     o.refuse(o.either(jobs, scheduler))
-    files, notes = distinct(files)
+    files, notes = distinct(with_folders(files))
     with o.usage():
         options = FillOptions(
             strands=strand or None,
@@ -104,20 +113,46 @@ def fill(
         check_strands(options.like, (), options.limits)
     if options.library is not None:
         library_at(options.library)
+    page = o.has_report(report)
     with o.usage():
         beside = (file_of(options.like), options.library)
-        tasks = tasks_of(files, options.to_dict(), out, beside)
-        progress = len(files) > 1
-        done = run(FILLS, tasks, out, jobs or 1, scheduler, progress, wording=in_options)
+        tasks = tasks_of(files, {**options.to_dict(), "report": page}, out, beside)
+        progress = len(files) > 1 and not quiet
+        done = run(FILLS, tasks, out, jobs or 1, scheduler, progress, in_options, page)
+    _end(screen, files, out, done, notes)
+
+
+def _end(screen: Screen, files: list[str], out: Path, done: "Run", notes: list[str]) -> None:
+    """Say what was filled and what was not."""
+    from loopelastica.report.documents import fill_documents
+    from loopelastica.report.screen.fills import fill_screen
+
     if done.n_files > 1 or done.n_resumed:
-        tell(
+        screen.show(
             f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} strands in"
-            f" {done.table}"
+            f" {done.table}",
+            "",
         )
-    rows = list(done.rows)
-    if rows:
-        console().print(fill_table(rows, Path(out)))
+    shown = ({**row, "file": Path(row["file"]).name} for row in done.rows)
+    screen.show(*fill_screen(shown, str(out)))
+    records = [record for record in done.records if record.get("folder_key")]
+    written = [(record["file"], record["folder"]) for record in records]
+    if written:
+        screen.show(
+            "",
+            f"Written to {out}: a folder per file, with fill.json and, where anything was built,"
+            " filled.pdb or filled.cif, and summary.csv, a row per strand."
+            + o.page_text(done.page)
+            + o.failures_text(len(done.failed)),
+        )
     # what a model is not good for stands before what was chosen in reading
     told = sorted(done.notes, key=lambda sentence: "not sound" not in sentence)
-    o.note(o.screenful([*notes, *told], "in the files' fill.json"))
-    o.fail_of_many(done.failures, out)
+    known = [{"folder": record["folder"]} for record in records]
+    earlier = o.of_earlier_runs(out, known, "fill.json")
+    screen.note([*notes, *told, *earlier], "in the files' fill.json", files)
+    screen.end(
+        fill_documents(out, written) if screen.as_json else (),
+        done.failed,
+        f"in {out / 'failures.csv'}",
+        folder=str(out),
+    )

@@ -2,27 +2,56 @@
 
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from loopelastica.cli import options as o
-from loopelastica.cli.program import in_options, tell
+from loopelastica.cli.program import in_options
+from loopelastica.cli.screen import Screen
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
+    from loopelastica.batch.folds import Written
     from loopelastica.batch.run import Row
     from loopelastica.folding.options import FoldOptions
-    from loopelastica.folding.result import LoopFold
-    from loopelastica.report.folder import Folders
-    from loopelastica.report.tables import LoopModels
 
 
 def fold(
     files: o.Files,
     out: o.Out = o.OUT,
+    plot: o.Plot = True,
+    report: o.Report = None,
+    whole: o.Whole = None,
+    all_models: o.AllModels = True,
+    loop: o.Loops = None,
+    pair: o.Pairs = None,
+    dot_bracket: o.Brackets = None,
+    irregular: o.Irregular = False,
+    candidates: o.Candidates = 10,
+    rank: o.Rank = "default",
+    energy_max: o.EnergyMax = None,
+    shapes: o.Shapes = "all",
+    like: o.Like = None,
+    library: o.Library = None,
+    exclude_relatives: o.ExcludeRelatives = False,
+    surroundings: o.Around = True,
+    atoms: Annotated[
+        bool,
+        typer.Option(
+            "--atoms",
+            help="Build the loop's atoms on every candidate's line.",
+            rich_help_panel=o.ATOMS,
+        ),
+    ] = False,
+    contact: o.Contact = None,
+    hydrogens: o.Hydrogens = False,
+    names: o.Names = "pdb",
+    no_5_phosphate: o.NoPhosphate = False,
+    separate: o.Separate = False,
     darboux: o.Darboux = False,
     torsion_ratio: o.TorsionRatio = None,
     length_per_nucleotide: o.LengthPerNucleotide = None,
@@ -30,41 +59,25 @@ def fold(
     stem_extend_3: o.StemExtend3 = None,
     taper: o.Taper = None,
     persistence_length: o.PersistenceLength = 10.0,
-    energy_max: o.EnergyMax = None,
-    candidates: o.Candidates = 10,
-    all_models: o.AllModels = True,
-    shapes: o.Shapes = "all",
-    rank: o.Rank = "default",
-    like: o.Like = None,
-    library: o.Library = None,
-    exclude_relatives: o.ExcludeRelatives = False,
-    surroundings: o.Around = True,
-    irregular: o.Irregular = False,
-    pair: o.Pairs = None,
-    dot_bracket: o.Brackets = None,
-    loop: o.Loops = None,
     max_size: o.MaxSize = None,
     max_atoms: o.MaxAtoms = None,
-    plot: o.Plot = True,
-    whole: o.Whole = None,
     jobs: o.Jobs = None,
     scheduler: o.Scheduler = None,
-    atoms: Annotated[
-        bool, typer.Option("--atoms", help="Build the loop's atoms on every candidate's line.")
-    ] = False,
-    contact: o.Contact = None,
-    hydrogens: o.Hydrogens = False,
-    names: o.Names = "pdb",
-    no_5_phosphate: o.NoPhosphate = False,
-    separate: o.Separate = False,
+    quiet: o.Quiet = False,
+    as_json: o.AsJson = False,
 ) -> None:
-    """Fold every hairpin loop of the files; write tables, traces and a picture per hairpin.
+    """Fold every hairpin loop of the files.
 
-    The folder for the results gets summary.csv, a row per candidate, and failures.csv. With --jobs
+    Each loop gets a folder with tables, traces and a picture; the folder for the results gets
+    summary.csv, a row per candidate, and failures.csv. With --jobs
     or --scheduler, for thousands of files, the same command resumes a run that was stopped.
     """
+    from loopelastica.batch.folds import Written
+    from loopelastica.cli.atoms import atoms_of
     from loopelastica.folding.options import FoldOptions
+    from loopelastica.molecule.folders import with_folders
 
+    screen = Screen("fold", "loops", quiet, as_json)
     many = jobs is not None or scheduler is not None
     o.refuse(
         (torsion_ratio is not None and not darboux, "--torsion-ratio needs --darboux"),
@@ -116,71 +129,61 @@ def fold(
         from loopelastica.folding.known import library_at
 
         library_at(options.library)
+    page = o.has_report(report)
+    files = with_folders(files)
     if many:
-        _fold_many(files, out, options, plot, jobs or 1, scheduler)
-    else:
-        written = {
-            "hydrogens": hydrogens,
-            "names": names,
-            "no_5_phosphate": no_5_phosphate,
-            "separate": separate,
-        }
-        _fold_each(files, out, options, _Output(plot, whole, contact, written if atoms else None))
+        shown = {"plot": plot, "report": page}
+        _fold_many(screen, files, out, options, shown, jobs or 1, scheduler)
+        return
+    build = None
+    if atoms:
+        build = partial(
+            atoms_of,
+            contact=contact,
+            progress=not quiet,
+            hydrogens=hydrogens,
+            names=names,
+            no_5_phosphate=no_5_phosphate,
+            separate=separate,
+        )
+    _fold_each(screen, files, out, options, Written(plot, whole, build, page))
 
 
 def _fold_many(
+    screen: Screen,
     files: list[str],
     out: Path,
     options: "FoldOptions",
-    plot: bool,
+    shown: dict[str, bool],
     jobs: int,
     scheduler: str | None,
 ) -> None:
     from loopelastica.batch.folds import FOLDS
-    from loopelastica.batch.run import distinct, run, tasks_of
+    from loopelastica.batch.run import run
+    from loopelastica.batch.tasks import distinct, tasks_of
     from loopelastica.folding.like import file_of
 
     files, notes = distinct(files)
     with o.usage():
         beside = (file_of(options.like), options.library)
-        tasks = tasks_of(files, {**options.to_dict(), "plot": plot}, out, beside)
-        done = run(FOLDS, tasks, out, jobs, scheduler, progress=True, wording=in_options)
-    tell(
-        f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} candidates in"
-        f" {done.table}"
-    )
-    o.note([*notes, *done.notes, *_of_earlier_runs(out, done.rows)])
-    o.fail_of_many(done.failures, out)
-
-
-def _of_earlier_runs(out: Path, rows: "Iterable[Row]") -> list[str]:
-    """A note that names what lies in the folder besides the results of this run."""
-    from loopelastica.report.folder import other_folds
-
-    others = other_folds(out, {row["folder"] for row in rows})
-    if not others:
-        return []
-    names = ", ".join(o.screenful(others, "of the kind"))
-    return [f"{out} holds results of earlier runs that are not in summary.csv: {names}"]
-
-
-@dataclass(frozen=True)
-class _Output:
-    """What is written of each loop beside the tables."""
-
-    plot: bool
-    whole: bool | None
-    contact: str | None
-    # None: no atoms
-    atoms: dict[str, Any] | None
+        tasks = tasks_of(files, {**options.to_dict(), **shown}, out, beside)
+        progress, page = not screen.quiet, shown["report"]
+        done = run(FOLDS, tasks, out, jobs, scheduler, progress, in_options, page)
+    rows = list(done.rows)
+    if done.n_files > 1 or done.n_resumed:
+        screen.show(
+            f"{done.n_files} files ({done.n_resumed} were done before), {done.n_rows} candidates"
+            f" in {done.table}",
+            "",
+        )
+    said = [*notes, *done.notes]
+    _end(screen, files, out, options, rows, said, done.failed, done.page)
 
 
 @dataclass
 class _Results:
-    """What became of the files: for the screen, for the tables, and to be said."""
+    """What became of the files: for the tables, and to be said."""
 
-    shown: "list[tuple[str, LoopFold | str, Path | None]]" = field(default_factory=list)
-    built: "list[tuple[str, LoopModels]]" = field(default_factory=list)
     rows: list[dict[str, Any]] = field(default_factory=list)
     failures: list[dict[str, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -190,43 +193,50 @@ class _Results:
         """Keep what has failed, with options as they are called on the command line."""
         self.failures.append({"file": file, "failure": in_options(sentence)})
 
-    def write(self, out: Path) -> None:
-        """Write the tables, as a run over many files does."""
+    def write(self, out: Path, report: bool) -> Path | None:
+        """Write the tables, as a run over many files does, and the page if there is to be one."""
         from loopelastica._files import write_csv
         from loopelastica.batch.folds import COLUMNS
         from loopelastica.batch.run import FAILURE_COLUMNS
+        from loopelastica.report.page.write import renew_report
 
         write_csv(out / "summary.csv", self.rows, COLUMNS)
         write_csv(out / "failures.csv", self.failures, FAILURE_COLUMNS)
+        return renew_report(out, report)
 
 
-def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Output) -> None:
-    from tqdm import tqdm
-
+def _fold_each(
+    screen: Screen, files: list[str], out: Path, options: "FoldOptions", written: "Written"
+) -> None:
     from loopelastica._files import OutputError
+    from loopelastica._progress import progress_bar
+    from loopelastica.batch.folds import fold_into
     from loopelastica.batch.lock import alone_in
-    from loopelastica.batch.run import check_tables, distinct
+    from loopelastica.batch.run import check_tables
+    from loopelastica.batch.tasks import distinct
     from loopelastica.batch.workers import attempt
     from loopelastica.report.folder import Folders
-    from loopelastica.report.tables import atoms_table, console, fold_table
 
     files, notes = distinct(files)
     results, folders = _Results(notes=notes), Folders(out)
 
-    def fold_next(file: str) -> None:
-        _fold_file(file, options, folders, results, output)
+    def fold_next(file: str) -> dict[str, Any]:
+        return fold_into(folders, file, options, written)
 
     with alone_in(out):
         check_tables(out, "summary")
         try:
-            for file in tqdm(files, disable=len(files) < 2, unit="file", leave=False):
+            several = len(files) > 1 and not screen.quiet
+            for file in progress_bar(files, shown=several, unit="file", leave=False):
                 outcome = attempt(fold_next, file)
-                if outcome.failure is not None:
-                    results.failed(file, outcome.failure)
-                    results.shown.append((Path(file).name, outcome.failure, None))
+                record = outcome.value or {"rows": [], "failures": [outcome.failure], "notes": []}
+                results.rows += [{**row, "file": file} for row in record["rows"]]
+                results.notes += record["notes"]
+                for sentence in record["failures"]:
+                    results.failed(file, sentence)
                 results.n_done += 1
         except KeyboardInterrupt:
-            results.write(out)
+            results.write(out, written.report)
             raise KeyboardInterrupt(
                 f"{results.n_done} of {len(files)} files are done; the same command folds all of"
                 " them again, with --jobs 1 it goes on where it was stopped"
@@ -234,72 +244,41 @@ def _fold_each(files: list[str], out: Path, options: "FoldOptions", output: _Out
         except OutputError:
             # the disk is full: the folders that are there keep their rows, if those still fit
             with suppress(OutputError):
-                results.write(out)
+                results.write(out, written.report)
             raise
-        results.write(out)
-        results.notes += _of_earlier_runs(out, results.rows)
-    console().print(fold_table(results.shown))
-    if results.built:
-        console().print(atoms_table(results.built))
-    o.note(results.notes)
-    o.fail([failure["failure"] for failure in results.failures])
+        page = results.write(out, written.report)
+    _end(screen, files, out, options, results.rows, results.notes, results.failures, page)
 
 
-def _fold_file(
-    file: str, options: "FoldOptions", folders: "Folders", results: _Results, output: _Output
+def _end(
+    screen: Screen,
+    files: list[str],
+    out: Path,
+    options: "FoldOptions",
+    rows: "Sequence[Row]",
+    notes: list[str],
+    failures: "Sequence[Row]",
+    page: Path | None,
 ) -> None:
-    from loopelastica.batch.folds import loop_rows
-    from loopelastica.cli.atoms import atoms_of
-    from loopelastica.errors import LoopelasticaError, StructureError
-    from loopelastica.folding.fold import fold_hairpins
-    from loopelastica.molecule.hairpins import find_hairpins
-    from loopelastica.molecule.nucleotides import read_structure
-    from loopelastica.report.folder import write_fold
-    from loopelastica.report.listing import remarks
-    from loopelastica.report.pdb import WHOLE_ATOMS, WholeStructure, renamed
-    from loopelastica.report.tables import LoopModels
+    """Say what was folded and what was not."""
+    from loopelastica.report.documents import fold_documents
+    from loopelastica.report.screen.folds import fold_screen
 
-    path = Path(file)
-    structure = read_structure(file, options.limits)
-    found = find_hairpins(structure, **options.selection)
-    sentences = remarks(structure, found)
-    loops = fold_hairpins(structure, found, options)
-    small = len(structure.universe.atoms) <= WHOLE_ATOMS
-    with_whole = small if output.whole is None else output.whole
-    full = WholeStructure(structure) if loops and with_whole else None
-    sentences += [
-        f"chain {chain} is {letter} in the PDB files that are written"
-        for chain, letter in renamed(structure).items()
-    ]
-    if not loops:
-        results.notes += [f"{file}: {sentence}" for sentence in sentences]
-        raise StructureError(f"{file}: no hairpin loop found; nothing to fold")
-    for loop in loops:
-        for sentence in loop.model_failures:
-            results.failed(file, f"{file}: {sentence}")
-        if loop.failure is not None:
-            results.failed(file, f"{file}: {loop.failure}")
-            results.shown.append((path.name, loop, None))
-            continue
-        folder, built = folders.claim(path, loop), None
-        try:
-            if output.atoms is not None:
-                first = structure.positions(0)
-                built = atoms_of(structure, loop, first, output.contact, **output.atoms)
-                sentences += [f"{loop.hairpin.label}: {remark}" for remark in built.remarks]
-        except LoopelasticaError as error:
-            results.failed(file, f"{file}: {error}")
-        try:
-            write_fold(folder, path, loop, structure, output.plot, full, built)
-        except FileExistsError as error:
-            results.failed(file, str(error))
-            results.shown.append((path.name, str(error), None))
-            continue
-        rows = loop_rows(file, loop)
-        if built is not None:
-            rows = [{**row, **built.figures(row["rank"])} for row in rows]
-            results.built.append((path.name, LoopModels(loop, built.models)))
-        results.rows += [{**row, "folder": folder.name} for row in rows]
-        results.shown.append((path.name, loop, folder))
-        sentences += loop.remarks
-    results.notes += [f"{file}: {sentence}" for sentence in sentences]
+    shown = ({**row, "file": Path(row["file"]).name} for row in rows)
+    screen.show(*fold_screen(shown, str(out), options.rank))
+    if rows:
+        screen.show(
+            "",
+            f"Written to {out}: a folder per loop, with ranking.csv, traces.pdb and view.pml for"
+            " PyMOL, and summary.csv, a row per candidate."
+            + o.page_text(page)
+            + o.failures_text(len(failures)),
+        )
+    screen.note([*notes, *o.of_earlier_runs(out, rows)], "in the loops' ranking.json", files)
+    screen.end(
+        fold_documents(out, rows) if screen.as_json else (),
+        failures,
+        f"in {out / 'failures.csv'}",
+        parameters=options.to_dict(),
+        folder=str(out),
+    )

@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from loopelastica.cli import options as o
-from loopelastica.cli.program import Command, in_options, tell
+from loopelastica.cli.program import Command, in_options
+from loopelastica.cli.screen import Screen
 
 library = typer.Typer(help="Keep loop shapes of many structures in one file.", no_args_is_help=True)
 
@@ -28,15 +29,19 @@ def build_library(
     max_atoms: o.MaxAtoms = None,
     jobs: o.Jobs = None,
     scheduler: o.Scheduler = None,
+    quiet: o.Quiet = False,
+    as_json: o.AsJson = False,
 ) -> None:
-    """Make a library of the hairpin loops of many files, 3 to 12 nucleotides each.
+    """Make a library of the hairpin loops of many files.
 
-    Beside it a folder, loops.lib.run, gets loops.csv, a row per loop, and failures.csv. The same
-    command resumes a run that was stopped.
+    It takes loops of 3 to 12 nucleotides. Beside it a folder, loops.lib.run, gets loops.csv, a row
+    per loop, and failures.csv. The same command resumes a run that was stopped.
     """
     from loopelastica.batch.shapes import build_library as build
     from loopelastica.molecule.nucleotides import Limits
+    from loopelastica.report.documents import library_rows
 
+    screen = Screen("library build", "kinds", quiet, as_json)
     o.refuse(o.either(jobs, scheduler))
     with o.usage():
         done = build(
@@ -45,23 +50,31 @@ def build_library(
             with_contacts=with_contacts,
             jobs=jobs or 1,
             scheduler=scheduler,
-            progress=True,
+            progress=not quiet,
             limits=Limits(**o.limits(max_size, max_atoms)),
             wording=in_options,
         )
     files = "1 file" if done.n_files == 1 else f"{done.n_files} files"
     loops = "1 loop" if len(done.library) == 1 else f"{len(done.library)} loops"
-    tell(f"{files} ({done.n_resumed} done before), {loops} in {out}")
-    o.note(o.screenful(done.notes, "of the kind"))
-    o.fail_of_many(done.failures, done.table.parent)
+    screen.show(f"{files} ({done.n_resumed} done before), {loops} in {out}")
+    screen.note(done.notes, "of the kind")
+    rest = f"in {done.table.parent / 'failures.csv'}"
+    kinds = library_rows(done.library) if as_json else ()
+    screen.end(kinds, done.failed, rest, library=str(out), table=str(done.table))
 
 
 @library.command("list", cls=Command)
 def list_library(
     file: Annotated[Path, typer.Argument(help="A library.", show_default=False)],
+    quiet: o.Quiet = False,
+    as_json: o.AsJson = False,
 ) -> None:
-    """Show what a library holds: loops, sequences and entries by kind and length."""
+    """Show what a library holds, by kind and length."""
     from loopelastica.folding.library_file import load_library
-    from loopelastica.report.tables import console, library_table
+    from loopelastica.report.documents import library_rows
+    from loopelastica.report.screen.tables import library_table
 
-    console().print(library_table(load_library(file)))
+    screen = Screen("library list", "kinds", quiet, as_json)
+    rows = library_rows(load_library(file))
+    screen.show(library_table(rows))
+    screen.end(rows)

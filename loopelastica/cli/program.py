@@ -14,7 +14,7 @@ import io
 import os
 import re
 import sys
-from contextlib import redirect_stderr
+from contextlib import redirect_stderr, suppress
 from contextvars import ContextVar
 from typing import Any, TextIO, cast
 
@@ -53,7 +53,24 @@ _CONTEXT: ContextVar[typer.Context | None] = ContextVar("context", default=None)
 
 
 class Command(TyperCommand):
-    """A command whose errors are one sentence each."""
+    """A command whose errors are one sentence each, and whose options have headings."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write arguments and options of the help, these in their groups."""
+        arguments, groups = [], dict[str, list[tuple[str, str]]]()
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is None:
+                continue
+            if parameter.param_type_name == "argument":
+                arguments.append(record)
+            else:
+                group = getattr(parameter, "rich_help_panel", None) or "Options"
+                groups.setdefault(group, []).append(record)
+        for heading, records in {"Arguments": arguments, **groups}.items():
+            if records:
+                with formatter.section(heading):
+                    formatter.write_dl(records)
 
     def invoke(self, ctx: Any) -> Any:
         """Run it; end the program with a status where it cannot be done."""
@@ -64,14 +81,14 @@ class Command(TyperCommand):
             return super().invoke(ctx)
         except KeyboardInterrupt as error:
             said = f": {error}" if str(error) else "; no file is left half-written"
-            say(f"interrupted{said}")
+            _say_last(f"interrupted{said}")
             raise typer.Exit(130) from None
         except LoopelasticaError as error:
-            say(str(error))
+            _say_last(str(error))
         except OSError as error:
             if error.errno == errno.EPIPE:
                 raise  # whoever reads has seen enough
-            _say_refused(error)
+            _say_last(_refused(error))
         raise typer.Exit(1)
 
 
@@ -89,7 +106,7 @@ class Program(TyperGroup):
                 return super().main(*args, **kwargs)
         except OSError as error:
             # of printing a help text; those of a command end there
-            _say_refused(error)
+            say(_refused(error))
             sys.exit(1)
 
 
@@ -112,8 +129,18 @@ class _Diagnostics:
 
 
 def say(sentence: str) -> None:
-    """Print a sentence on the standard error, with options as they are called here."""
-    tell(in_options(sentence), sys.stderr)
+    """Print a sentence on the standard error, with options as they are called here.
+
+    It is one line, but on a terminal, where it is broken between words.
+    """
+    text = in_options(sentence)
+    lines = [text]
+    if sys.stderr.isatty():
+        from loopelastica.report.screen.console import width, wrapped
+
+        lines = wrapped(text, width())
+    for line in lines:
+        tell(line, sys.stderr)
 
 
 def tell(line: str, file: TextIO | None = None) -> None:
@@ -156,7 +183,17 @@ def _legible(error: UnicodeError) -> tuple[str, int]:
     return "".join(_SIGNS.get(sign) or ascii(sign)[1:-1] for sign in signs), error.end
 
 
-def _say_refused(error: OSError) -> None:
+def _say_last(sentence: str) -> None:
+    """Say what has ended the command, in its document too, if that is what it prints."""
+    from loopelastica.cli.screen import current
+
+    say(sentence)
+    if (screen := current()) is not None:
+        with suppress(OSError):
+            screen.ended_by(sentence)
+
+
+def _refused(error: OSError) -> str:
     """Say what the system has refused, and of which file."""
     from loopelastica._files import OutputError
 
@@ -164,4 +201,4 @@ def _say_refused(error: OSError) -> None:
         # what is left for it goes to nowhere, else Python fails at its end again
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sentence = f"{error.filename or 'standard output'}: {error.strerror or error}"
-    say(str(error) if isinstance(error, OutputError) else sentence)
+    return str(error) if isinstance(error, OutputError) else sentence

@@ -1,13 +1,16 @@
 """``loopelastica solve`` and ``warm``: the dimensionless rod by itself."""
 
-import json
 import math
 from dataclasses import asdict
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from loopelastica.cli import options as o
+from loopelastica.cli.screen import Screen, fail
+
+if TYPE_CHECKING:
+    from loopelastica.rod.equilibria import Equilibria
 
 
 def solve(
@@ -30,13 +33,21 @@ def solve(
         int | None,
         typer.Option(min=1, max=4, help="How deep to search; default 2.", show_default=False),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quiet: o.Quiet = False,
+    as_json: o.AsJson = False,
 ) -> None:
-    """Solve a dimensionless rod: its equilibria for a clamping (η1 η2 η3 ψ θ φ), angles in rad."""
+    """Solve a dimensionless rod: its equilibria for a clamping.
+
+    The clamping has six parameters, η1 η2 η3 ψ θ φ, angles in rad.
+
+    The document of --json has what is known of the list beside the "equilibria", each with all that
+    determines it.
+    """
     from loopelastica._checks import optional, positive
     from loopelastica.rod.clamping import Clamping
     from loopelastica.rod.equilibria import equilibria
 
+    screen = Screen("solve", "equilibria", quiet, as_json)
     o.refuse(
         (free_spin and torsion_ratio is not None, "--torsion-ratio goes without --free-spin"),
     )
@@ -49,26 +60,30 @@ def solve(
     except ValueError as error:
         sentence = str(error).removeprefix("`clamping` ")
         raise typer.BadParameter(f"--clamping {clamping!r}: {sentence}") from None
-    if as_json:
-        found = {
-            "energy_max": rods.energy_max,
-            "unseen": rods.unseen,
-            "by_index": rods.by_index,
-            "rounds": rods.rounds,
-            "starts": rods.starts,
-            "found_by": rods.found_by,
-            "tours": asdict(rods.tours),
-            "evidence": rods.evidence,
-            "equilibria": [rod.to_dict() for rod in rods],
-        }
-        typer.echo(json.dumps(found, indent=1, allow_nan=False))
-    elif rods:
-        from loopelastica.report.tables import console, equilibria_table
+    if rods:
+        from loopelastica.report.screen.tables import equilibria_table
 
-        console().print(equilibria_table(rods))
-        typer.echo(rods.evidence)
-    if not rods:
-        o.fail([f"--clamping {clamping!r}: no equilibrium found in {rods.starts} starts"])
+        screen.show(equilibria_table(rods), "", rods.evidence)
+    sentence = f"--clamping {clamping!r}: no equilibrium found in {rods.starts} starts"
+    screen.end(
+        [rod.to_dict() for rod in rods],
+        () if rods else [{"file": None, "failure": sentence}],
+        **(_known_of(rods) if as_json else {}),
+    )
+
+
+def _known_of(rods: "Equilibria") -> dict[str, Any]:
+    """What is known of a list of equilibria, for its document."""
+    return {
+        "energy_max": rods.energy_max,
+        "unseen": rods.unseen,
+        "by_index": rods.by_index,
+        "rounds": rods.rounds,
+        "starts": rods.starts,
+        "found_by": rods.found_by,
+        "tours": asdict(rods.tours),
+        "evidence": rods.evidence,
+    }
 
 
 def _parameters(clamping: str) -> list[float]:
@@ -83,7 +98,9 @@ def _parameters(clamping: str) -> list[float]:
 
 
 def warm() -> None:
-    """Compile everything now, for any processor of this architecture: for containers.
+    """Compile everything now, for containers.
+
+    For any processor of this architecture.
 
     The compiled code goes into the package if that can be written, else into the user's folder of
     caches, or where LOOPELASTICA_CACHE says. A minute; nothing where it is there already.
@@ -94,6 +111,6 @@ def warm() -> None:
     try:
         folder = compile_all("loopelastica.atoms.warm")
     except (OSError, RuntimeError) as error:
-        o.fail([str(error)])
+        fail([str(error)])
     else:
         typer.echo(f"compiled: {folder}")

@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from loopelastica.cli import options as o
-from loopelastica.cli.program import Command, tell
+from loopelastica.cli.program import Command
+from loopelastica.cli.screen import Screen, fail
 
 studies = typer.Typer(
     help="Make the tables of the package anew; say how good they are.", no_args_is_help=True
@@ -19,20 +20,24 @@ def study_motifs(
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder for the results.")] = Path(
         "loopelastica-studies/motifs"
     ),
+    quiet: o.Quiet = False,
 ) -> None:
-    """Shapes of loops by motif and length, a library, and the errors to expect of answers.
+    """Shapes of loops by motif and length, and a library.
+
+    And the errors to expect of answers.
 
     Where the folder holds loops.csv, that says which loop of a file counts, which make a pair
     elsewhere, and which are of one family; else all hairpin loops count, and relatives are those by
     sequence.
     """
     from loopelastica.molecule.folders import structure_files
+    from loopelastica.report.screen.markdown import markdown_screen
     from loopelastica.studies.motifs.study import run
 
+    screen = Screen("studies motifs", "tables", quiet)
     with o.usage():
         structure_files(folder)  # before a folder is made
-    with o.study(out):
-        done = run(folder, out, progress=True)
-        for line in done.tables.splitlines():
-            tell(line)
-    o.fail(o.screenful(done.failures, f"in {out / 'motifs.md'}"))
+    with o.study(out, screen):
+        done = run(folder, out, progress=not quiet)
+        screen.show(*markdown_screen(done.tables))
+    fail(done.failures, f"in {out / 'motifs.md'}")

@@ -79,6 +79,20 @@ def fill(structure: Any, options: FillOptions) -> Filling:
         If the file cannot be read, has no nucleotide, or contradicts `strands`.
     ValueError
         If an option is out of range.
+
+    Examples
+    --------
+    >>> import MDAnalysis as mda
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> from loopelastica.molecule.reading import quiet
+    >>> with quiet():
+    ...     universe = mda.Universe(data_path("hairpins/2koc.pdb"))
+    ...     filling = le.fill(universe, strands="A.7")
+    >>> filling
+    <Filling of universe: 1 strands filled, 0 refused>
+    >>> filling.strands[0]
+    <FilledStrand A.7 U: sound, 0.4 Å to expect>
     """
     return fill_entry(read_entry(structure, options.limits), options)
 

@@ -15,12 +15,13 @@ from loopelastica.filling.compose import changes_of, composed, name_of
 from loopelastica.filling.result import FilledCandidate, FilledStrand, Filling, Repair
 from loopelastica.report.changes import Removed, label
 from loopelastica.report.compose import compose
+from loopelastica.report.page.scene import SCENE
 
 MANIFEST: Final = "fill.json"
 _SUFFIX: Final = {"pdb": ".pdb", "mmcif": ".cif"}
 _NAMES: Final = {"pdb": "PDB", "mmcif": "mmCIF"}
 _FORMATS: Final = {".pdb": "pdb", ".ent": "pdb", ".cif": "mmcif", ".mmcif": "mmcif"}
-_KEY: Final = ("version", "sha256", "parameters")
+_KEY: Final = ("version", "sha256", "parameters", "scene")
 """Entries of the manifest that determine all else."""
 
 STRAND_COLUMNS: Final = (
@@ -28,6 +29,7 @@ STRAND_COLUMNS: Final = (
     *("status", "reason", "sound", "expected_10_A", "expected_rmsd_A", "expected_90_A"),
     *("shape", "distance_A", "length_A", "crowding", "energy_per_A", "contact_energy_per_A"),
     *("nearest_A", "worst_bond_A", "worst_angle_deg", "closest_contact_A"),
+    "mate_A",
 )
 """Columns of tables that have a row per strand."""
 
@@ -93,7 +95,7 @@ def _same(path: Path, other: Path) -> bool:
     return os.path.realpath(path) == os.path.realpath(other)
 
 
-def write_folder(path: Path, filling: Filling) -> dict[str, Any]:
+def write_folder(path: Path, filling: Filling, scene: bool = False) -> dict[str, Any]:
     """Write the folder of a filling: filled.cif or filled.pdb, further candidates, fill.json.
 
     A structure is written where anything is different from the file.
@@ -104,6 +106,8 @@ def write_folder(path: Path, filling: Filling) -> dict[str, Any]:
         The folder.
     filling : Filling
         What was filled.
+    scene : bool
+        Write scene.js too, what report.html shows of the strands.
 
     Returns
     -------
@@ -126,7 +130,12 @@ def write_folder(path: Path, filling: Filling) -> dict[str, Any]:
             name = ("filled" if rank == 1 else f"filled_{rank}") + _SUFFIX[kind]
             write_text(part / name, text)
             files.append(name)
-        content = {**record_of(filling), "files": sorted(files)}
+        if scene:
+            from loopelastica.filling.scene import write_strands
+
+            write_strands(part / SCENE, filling, files)
+            files.append(SCENE)
+        content = {**record_of(filling), "scene": scene, "files": sorted(files)}
         write_json(part / MANIFEST, content)
     return {name: content[name] for name in _KEY}
 

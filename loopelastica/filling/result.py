@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import whole
+from loopelastica._html import html_table
 from loopelastica.folding.line import StrandLine
 from loopelastica.folding.shape_line import ShapeLine
 from loopelastica.molecule.nucleotides import enumerated
@@ -102,6 +102,19 @@ class FilledStrand(Record):
         How many are missing.
     mate_A : float or None
         How near what was built comes to a mate in the crystal, where that is under 3 Å.
+
+    Examples
+    --------
+    >>> import MDAnalysis as mda
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> from loopelastica.molecule.reading import quiet
+    >>> with quiet():
+    ...     universe = mda.Universe(data_path("hairpins/2koc.pdb"))
+    ...     filling = le.fill(universe, strands="A.7")
+    >>> (strand,) = filling.strands
+    >>> strand.name, strand.sequence, strand.status, strand.sound, strand.candidates[0].trace.shape
+    ('A.7', 'U', 'filled', True, (1, 3))
     """
 
     chain: str
@@ -281,6 +294,16 @@ class Filling(Record):
         One sentence for each thing that is broken and could not be mended.
     sha256 : str or None
         Digest of the input file when it was read; None where there was none.
+
+    Examples
+    --------
+    >>> import MDAnalysis as mda
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> universe = mda.Universe(data_path("hairpins/2koc.pdb"), to_guess=())
+    >>> filling = le.fill(universe, strands="A.7")
+    >>> [strand.name for strand in filling.filled]
+    ['A.7']
     """
 
     name: str
@@ -328,7 +351,13 @@ class Filling(Record):
             yield "no internal gap; nothing to fill"
 
     def records(self) -> Iterator[dict[str, Any]]:
-        """A row per strand, for :func:`loopelastica.to_dataframe`."""
+        """Give a row per strand, for :func:`loopelastica.to_dataframe`.
+
+        Yields
+        ------
+        dict
+            ``file``, then the columns of summary.csv.
+        """
         from loopelastica.filling.folder import strand_row
 
         for strand in self.strands:
@@ -386,9 +415,6 @@ class Filling(Record):
 
     def _repr_html_(self) -> str:
         """A table of the strands, for notebooks."""
-        head = "".join(f"<th>{h}</th>" for h in ("strand", "sequence", "what became of it"))
-        rows = ((s.name, s.sequence, s.outcome) for s in self.strands)
-        body = "".join(
-            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows
-        )
-        return f"<table><caption>{escape(self.name)}</caption><tr>{head}</tr>{body}</table>"
+        head = ("strand", "sequence", "shape", "what became of it")
+        rows = ((s.name, s.sequence, s.shape, s.outcome) for s in self.strands)
+        return html_table(self.name, head, rows)

@@ -22,6 +22,8 @@ from loopelastica._arrays import Array, read_only
 from loopelastica.folding.line import StrandLine
 
 SHIFT_A: Final = 0.05
+STEP_A: Final = 7.0
+"""Longest step along a backbone, as in :mod:`loopelastica.molecule.refusals`."""
 CLASSES: Final = ((1, "1"), (2, "2"), (4, "3-4"), (9, "5-9"), (math.inf, "10-12"))
 """Lengths that are counted together: up to how many nucleotides, and their name."""
 
@@ -43,6 +45,39 @@ def expected_text(values: ArrayLike) -> str:
     """
     low, middle, high = np.asarray(values, dtype=np.float64)
     return f"{middle:.1f} ({low:.1f}–{high:.1f})"
+
+
+def largest_rmsd_A(n: int, distance_A: float) -> float:
+    """How far two loops between the same ends can lie from each other at most.
+
+    Nucleotide k of both is within k − ½ steps of the one end and n − k + ½ of the other: in a lens.
+
+    Parameters
+    ----------
+    n : int
+        Nucleotides.
+    distance_A : float
+        Of the ends, half a nucleotide beyond the closing ones, Å.
+
+    Returns
+    -------
+    float
+        Root mean square of the lenses' diameters, Å.
+
+    Examples
+    --------
+    >>> print(f"{largest_rmsd_A(3, 17.0):.1f} {largest_rmsd_A(3, 0.0):.1f}")
+    9.1 13.4
+    """
+    place = np.arange(n) + 0.5
+    near = STEP_A * np.minimum(place, n - place)
+    far = STEP_A * n - near
+    if distance_A <= far.min() - near.max():
+        return float(np.sqrt((4.0 * near**2).mean()))
+    # where the plane through the rim of a lens cuts the line of the ends, from the nearer end
+    rim = (distance_A**2 + near**2 - far**2) / (2.0 * distance_A)
+    radius = np.where(rim > 0.0, np.sqrt(np.maximum(near**2 - rim**2, 0.0)), near)
+    return float(np.sqrt((4.0 * radius**2).mean()))
 
 
 def length_class(n: int) -> str:

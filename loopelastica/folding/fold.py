@@ -8,16 +8,19 @@ RMSD and nothing else.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from loopelastica._arrays import Array
 from loopelastica.errors import StructureError
 from loopelastica.folding.clamping import clamped_ends, clamping_of
+from loopelastica.folding.folds import Folds
 from loopelastica.folding.hypotheses import Scene, hypotheses, scene_of
 from loopelastica.folding.like import check_loops, loop_templates, remarks
 from loopelastica.folding.options import FoldOptions, keywords
 from loopelastica.folding.rank import rank
 from loopelastica.folding.result import LoopFold, with_models
+from loopelastica.folding.source import source_of
 from loopelastica.molecule.contacts import stem_atoms
 from loopelastica.molecule.ends import StemEnds, fit_stem
 from loopelastica.molecule.hairpins import Hairpin, find_hairpins
@@ -28,7 +31,7 @@ from loopelastica.rod.equilibria import Equilibria, equilibria
 
 
 @keywords(FoldOptions)
-def fold(structure: Any, /, options: FoldOptions) -> list[LoopFold]:
+def fold(structure: Any, /, options: FoldOptions) -> Folds:
     """Fold every hairpin loop of a structure: elastic lines between the ends of its stem.
 
     Several answers are given for each loop, each with its shape and the error to expect of it:
@@ -38,14 +41,15 @@ def fold(structure: Any, /, options: FoldOptions) -> list[LoopFold]:
     Parameters
     ----------
     structure : path, MDAnalysis.Universe or MDAnalysis.AtomGroup
-        PDB or mmCIF file (gzipped or not; mmCIF needs the extra ``mmcif``), with all its models; or
+        PDB or mmCIF file, gzipped or not, with all its models; or
         a Universe or a group of its atoms, in the current frame of its trajectory.
     {options}
 
     Returns
     -------
-    list of LoopFold
-        One per hairpin, in file order; a loop that cannot be folded says why in ``failure``.
+    Folds
+        A list of :class:`LoopFold`, one per hairpin, in file order; a loop that cannot be folded
+        says why in ``failure``. Its ``write(folder)`` writes what ``loopelastica fold`` writes.
 
     Raises
     ------
@@ -69,7 +73,12 @@ def fold(structure: Any, /, options: FoldOptions) -> list[LoopFold]:
     <LoopFold A6-9 CUUCGG: 3 candidates, first straight rod, E/K0 0.302 1/Å, RMSD 2.12 Å>
     """
     structure = read_structure(structure, options.limits)
-    return fold_hairpins(structure, find_hairpins(structure, **options.selection), options)
+    hairpins = find_hairpins(structure, **options.selection)
+    loops = fold_hairpins(structure, hairpins, options)
+    source = source_of(structure) if loops else None
+    return Folds(
+        (replace(loop, source=source) for loop in loops), (*structure.remarks, *hairpins.remarks)
+    )
 
 
 def fold_hairpins(

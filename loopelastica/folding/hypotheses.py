@@ -14,9 +14,12 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Final
 
+import numpy as np
+
 from loopelastica._arrays import Array, Record
 from loopelastica.errors import StructureError
 from loopelastica.folding.choice import SAME_A
+from loopelastica.folding.expected import largest_rmsd_A
 from loopelastica.folding.known import (
     Answer,
     Known,
@@ -32,6 +35,7 @@ from loopelastica.folding.motifs import Motif, errors_of, motif_of, of_length, t
 from loopelastica.folding.options import FoldOptions
 from loopelastica.folding.surroundings import SURROUNDED, rods_among
 from loopelastica.folding.template import Deformed, deformed
+from loopelastica.molecule.clamp_rule import plain_clamp
 from loopelastica.molecule.contacts import contacts
 from loopelastica.molecule.ends import ClosingPoses, FittedStem, StemEnds
 from loopelastica.molecule.hairpins import Hairpin
@@ -188,16 +192,18 @@ def hypotheses(
         else known.answers(straight, bent)
     )
     n = len(hairpin)
+    # the fit knows no geometry: a loop that is far from its shape may be said to err by anything
+    largest_A = largest_rmsd_A(n, stem.ends(plain_clamp(hairpin.is_dna)).distance_A)
     found: list[Hypothesis] = []
     for one in _like(hairpin, poses, options):
         spread_A = _spread_A(known, one.line.trace, n)
-        expected = one.errors.at(spread_A, one.line.energy, n)
+        expected = np.minimum(one.errors.at(spread_A, one.line.energy, n), largest_A)
         found.append(Hypothesis(one.line, one.shape, expected, len(found), one.carried))
     for answer in answers:
         line = lines[answer.rod] if answer.line is None else answer.line
         spread_A = _spread_A(known, answer.trace_A, n)
         kind = answer.kind if known is not None else f"{answer.kind} alone"
-        expected = errors_of(kind).at(spread_A, answer.energy, n)
+        expected = np.minimum(errors_of(kind).at(spread_A, answer.energy, n), largest_A)
         found.append(Hypothesis(line, _called(answer), expected, len(found)))
     return tuple(found)
 

@@ -45,6 +45,14 @@ class Library:
     ----------
     counts : dict
         Number of shapes by `Kind`, RNA before DNA and short before long.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> library = le.load_library(data_path("loops.lib"))
+    >>> len(library), len(library.of_length(4, is_dna=False))
+    (570, 255)
     """
 
     def __init__(self, counts: Mapping[Kind, int], table: Callable[[Kind], ShapeTable]) -> None:
@@ -109,13 +117,28 @@ class Library:
         return tables[0] if len(tables) == 1 else joined(tables)
 
     def table(self, kind: Kind) -> ShapeTable:
-        """The table of one kind, read when it is first needed."""
+        """The table of one kind, read when it is first needed.
+
+        Parameters
+        ----------
+        kind : Kind
+            One of `counts`.
+
+        Returns
+        -------
+        ShapeTable
+        """
         if kind not in self._read:
             self._read[kind] = self._table(kind)
         return self._read[kind]
 
     def tables(self) -> Iterator[tuple[Kind, ShapeTable]]:
-        """Each kind and its table."""
+        """Each kind and its table.
+
+        Returns
+        -------
+        iterator of (Kind, ShapeTable)
+        """
         return ((kind, self.table(kind)) for kind in self.counts)
 
 

@@ -113,7 +113,7 @@ def load_library(path: str | os.PathLike[str]) -> Library:
     >>> from loopelastica._files import data_path
     >>> from loopelastica.batch.shapes import build_library
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     build = build_library(data_path("hairpins"), f"{folder}/loops.lib")
+    ...     build = build_library(data_path("hairpins/2koc.pdb"), f"{folder}/loops.lib")
     ...     table = load_library(f"{folder}/loops.lib").of_length(4)
     >>> print(table.sequence(0), table.sources[0], table.steps_A[0].round(1)[0])
     CUUCGG 2koc A.5-A.10 [1.1 0.5 5.9]

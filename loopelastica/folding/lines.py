@@ -105,6 +105,11 @@ class RodLine(Record):
         """Curvature (n,), 1/Å; ``n`` as in `points`."""
         return np.asarray(self.rod.curvature(n) / self.ends.length_A)
 
+    def phases(self, n: int | ArrayLike) -> Array:
+        """Phases (n,), in nucleotides from the 5' closing one; ``n`` as in `points`."""
+        s = np.linspace(0.0, 1.0, n) if isinstance(n, int) else np.asarray(n, dtype=np.float64)
+        return np.asarray(len(self.ends.continued_5_A) + 0.5 + self.ends.n_free * s)
+
     def sampled(self) -> tuple[Array, Array]:
         """Points (m, 3) of the loop's line, Å, and their phases (m,), to look for contacts.
 
@@ -114,7 +119,7 @@ class RodLine(Record):
         first, last = len(ends.continued_5_A), len(ends.continued_3_A)
         s = np.linspace(0.0, 1.0, POINTS_PER_NUCLEOTIDE * n + 1)
         before, after = np.arange(1, first + 1), first + n + np.arange(1, last + 1)
-        phases = np.concatenate([before, first + 0.5 + n * s, after])
+        phases = np.concatenate([before, self.phases(s), after])
         return ends.trace(self.rod.centerline(s)), phases
 
     def to_dict(self) -> dict[str, Any]:
@@ -211,20 +216,26 @@ class ChainLine(Record):
 
     def points(self, n: int | ArrayLike) -> Array:
         """Points (n, 3) of the smooth curve, Å; ``n`` as for a rod."""
-        return self.poses.to_file(self.smooth(self._phases(n)))
+        return self.poses.to_file(self.smooth(self.phases(n)))
 
     def tangents(self, n: int | ArrayLike) -> Array:
         """Unit tangents (n, 3) of the smooth curve; ``n`` as in `points`."""
-        along = self.smooth(self._phases(n), 1)
+        along = self.smooth(self.phases(n), 1)
         along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
         return np.asarray(along @ self.poses.start_frame.T)
 
     def curvature_per_A(self, n: int | ArrayLike) -> Array:
         """Curvature (n,) of the smooth curve, 1/Å; ``n`` as in `points`."""
-        phases = self._phases(n)
+        phases = self.phases(n)
         first, second = self.smooth(phases, 1), self.smooth(phases, 2)
         speed = np.maximum(np.linalg.norm(first, axis=1), 1e-6)
         return np.asarray(np.linalg.norm(np.cross(first, second), axis=1) / speed**3)
+
+    def phases(self, n: int | ArrayLike) -> Array:
+        """Phases (n,), in nucleotides from the 5' closing one; ``n`` as in `points`."""
+        s = np.linspace(0.0, 1.0, n) if isinstance(n, int) else np.asarray(n, dtype=np.float64)
+        phases, along_A = self._measured()
+        return np.asarray(np.interp(s * along_A[-1], along_A, phases))
 
     def sampled(self) -> tuple[Array, Array]:
         """Points (m, 3) of the loop's line, Å, and their phases (m,), to look for contacts."""
@@ -260,12 +271,6 @@ class ChainLine(Record):
         phases = np.linspace(0.0, last, _FINE * last + 1)
         pieces = np.linalg.norm(np.diff(self.smooth(phases), axis=0), axis=1)
         return phases, np.concatenate([[0.0], np.cumsum(pieces)])
-
-    def _phases(self, n: int | ArrayLike) -> Array:
-        """Phases of points that are evenly spaced, or at fractions of the curve's length."""
-        s = np.linspace(0.0, 1.0, n) if isinstance(n, int) else np.asarray(n, dtype=np.float64)
-        phases, along_A = self._measured()
-        return np.asarray(np.interp(s * along_A[-1], along_A, phases))
 
     def to_dict(self) -> dict[str, Any]:
         """All that determines it, under the name of its kind; JSON-ready."""

@@ -18,6 +18,7 @@ from loopelastica._checks import (
     between,
     file_name,
     flag,
+    known_keywords,
     numbers,
     one_of,
     optional,
@@ -92,8 +93,8 @@ class LoopOptions(Options):
     persistence_length_A: float = option(PERSISTENCE_LENGTH_A, positive)
     irregular: bool = option(False, flag)
     pair: str | Sequence[str] = option((), places)
-    dot_bracket: str | None = option(None, optional(brackets))
     loop: str | Sequence[str] = option((), places)
+    dot_bracket: str | None = option(None, optional(brackets))
     max_size_MB: float = option(MAX_SIZE_MB, positive)
     max_atoms: int = option(MAX_ATOMS, whole(1))
 
@@ -208,7 +209,15 @@ def keywords(
     """
 
     def decorator(function: Callable[[Any, _O], _R]) -> Callable[Concatenate[Any, _P], _R]:
+        names = option_names(options)
+
         def taking(structure: Any, /, *args: _P.args, **kwargs: _P.kwargs) -> _R:
+            if args:
+                raise TypeError(
+                    f"{function.__name__} takes one argument without a name, the structure; options"
+                    " have names"
+                )
+            known_keywords(function.__name__, kwargs, names)
             return function(structure, options(*args, **kwargs))
 
         update_wrapper(taking, function)
@@ -216,6 +225,11 @@ def keywords(
         return taking
 
     return decorator
+
+
+def option_names(options: Any, without: Collection[str] = ()) -> list[str]:
+    """Names of the fields of a class of options, but for those that are left out."""
+    return [name for name in inspect.signature(options).parameters if name not in without]
 
 
 def show_options(function: Any, options: Any, without: Collection[str] = ()) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from loopelastica._arrays import Array, Record
+from loopelastica._html import html_line, html_table
 from loopelastica.errors import StructureError
 from loopelastica.folding.clamping import clamping_of
 from loopelastica.folding.hypotheses import straight_rods
@@ -75,17 +76,48 @@ class LoopScan(Record):
         clamp with at most (1, 2) extensions; 0 where there is only one.
     failure : str or None
         One sentence, or None.
+    file : str or None
+        The path as it was given; None of a Universe.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> from loopelastica._files import data_path
+    >>> (loop,) = le.scan(data_path("hairpins/2koc.pdb"), extend_5_max=0, extend_3_max=1)
+    >>> sum(one.is_rule for one in loop.candidates), loop.expected_rmsd_A
+    (3, (1.9, 3.6))
     """
 
     hairpin: Hairpin
     candidates: tuple[ScannedCandidate, ...]
     spread_A: float = 0.0
     failure: str | None = None
+    file: str | None = None
 
     @property
     def expected_rmsd_A(self) -> tuple[float, float]:
         """Median and 90 % of the rule's error for loops of this length, Å."""
         return expected_rmsd_A(len(self.hairpin))
+
+    def _repr_html_(self) -> str:
+        """A table of the shapes, for notebooks."""
+        title = f"{self.hairpin.name}, {self.hairpin.sequence}, {self.hairpin.label}"
+        if self.failure is not None:
+            return html_line(f"{title}: {self.failure}")
+        names = ("rank", "by E·L", "extensions", "taper", "E/K0 (1/Å)", "RMSD (Å)", "touches")
+        rows = [
+            (
+                f"{one.candidate.rank}{' (rule)' if one.is_rule else ''}",
+                one.rank_by_EL,
+                f"{one.ends.clamp.stem_extend_5}, {one.ends.clamp.stem_extend_3}",
+                f"{one.ends.clamp.taper:g}",
+                f"{one.candidate.energy_per_A:.4f}",
+                None if one.candidate.rmsd_A is None else f"{one.candidate.rmsd_A:.2f}",
+                one.candidate.contacts.touched,
+            )
+            for one in self.candidates
+        ]
+        return html_table(f"{title}, spread {self.spread_A:.2f} Å", names, rows)
 
     def __repr__(self) -> str:
         about = f"<LoopScan {self.hairpin.name} {self.hairpin.sequence}:"
@@ -126,7 +158,12 @@ def scan(structure: Any, /, options: ScanOptions) -> list[LoopScan]:
     structure = read_structure(structure, options.limits)
     hairpins = find_hairpins(structure, **options.selection)
     positions = structure.positions(0)
-    return [scan_loop(structure.nucleotides, hairpin, positions, options) for hairpin in hairpins]
+    return [
+        replace(
+            scan_loop(structure.nucleotides, hairpin, positions, options), file=structure.source
+        )
+        for hairpin in hairpins
+    ]
 
 
 def scan_loop(

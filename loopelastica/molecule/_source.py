@@ -6,6 +6,7 @@ import bz2
 import gzip
 import lzma
 import os
+import re
 import stat
 import zlib
 from collections.abc import Generator
@@ -16,6 +17,7 @@ from typing import Any, Final
 from loopelastica._checks import positive, whole
 from loopelastica._names import printable
 from loopelastica.errors import StructureError
+from loopelastica.molecule.folders import structure_files
 
 MAX_SIZE_MB: Final = 500.0
 """40 models of 100,000 atoms have 330 MB as PDB and 440 MB as mmCIF, the largest ribosomes 35."""
@@ -23,6 +25,8 @@ MAX_ATOMS: Final = 1_000_000
 """Most atoms of a model; the largest ribosomes have 250,000."""
 
 _OPENERS: dict[str, Any] = {".gz": gzip.open, ".bz2": bz2.open}
+# identifiers of the PDB, of four signs and of twelve
+_ENTRY = re.compile(r"[1-9][A-Za-z0-9]{3}|pdb_[0-9a-z]{8}", re.IGNORECASE)
 _LONGEST = 300
 _PIECE = 1 << 20
 _KINDS = (
@@ -106,7 +110,7 @@ def pieces(path: Path, limits: Limits) -> Generator[bytes, None, None]:
     opener = _OPENERS.get(path.suffix.lower(), open)
     left = limits.max_size_MB * 1e6
     try:
-        _check_regular(path)
+        check_regular(path)
         with opener(path, "rb") as stream:
             while piece := stream.read(_PIECE):
                 left -= len(piece)
@@ -118,8 +122,6 @@ def pieces(path: Path, limits: Limits) -> Generator[bytes, None, None]:
                 yield piece
     except EOFError:
         raise StructureError(f"{name_of(path)}: the compressed file is cut short") from None
-    except FileNotFoundError:
-        raise StructureError(f"{name_of(path)}: there is no such file") from None
     except PermissionError:
         raise StructureError(f"{name_of(path)}: no permission to read the file") from None
     # ValueError: a null character in the name
@@ -128,9 +130,46 @@ def pieces(path: Path, limits: Limits) -> Generator[bytes, None, None]:
         raise StructureError(f"{name_of(path)}: the file cannot be read ({cause})") from None
 
 
-def _check_regular(path: Path) -> None:
-    mode = os.stat(path).st_mode
+def check_regular(path: Path) -> None:
+    """Refuse what is not there and what is no regular file.
+
+    Parameters
+    ----------
+    path : Path
+        A file, or what is given as one.
+
+    Raises
+    ------
+    StructureError
+        If it is none.
+    """
+    try:
+        mode = os.stat(path).st_mode
+    except FileNotFoundError:
+        raise StructureError(f"{name_of(path)}: {_absent(path)}") from None
     if stat.S_ISREG(mode):
         return
     what = next((name for is_so, name in _KINDS if is_so(mode)), "something else")
-    raise StructureError(f"{name_of(path)}: this is {what}, not a structure file")
+    raise StructureError(f"{name_of(path)}: this is {what}, not a structure file{_inside(path)}")
+
+
+def _inside(path: Path) -> str:
+    """What a folder has for those who meant its files; "" for what is none."""
+    if not path.is_dir():
+        return ""
+    try:
+        first = structure_files(path)[0].name
+    except ValueError:
+        return ", and holds none"
+    return f"; give the files in it, such as {printable(first)}"
+
+
+def _absent(path: Path) -> str:
+    """What to do about a file that is not there, where its name is that of an entry of the PDB."""
+    if _ENTRY.fullmatch(path.name) is None:
+        return "there is no such file"
+    entry = path.name.upper() if len(path.name) == 4 else path.name.lower()
+    return (
+        "there is no such file, and nothing is downloaded: if this is an entry of the PDB, fetch"
+        f" https://files.rcsb.org/download/{entry}.cif and give that file"
+    )

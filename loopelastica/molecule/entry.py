@@ -12,6 +12,7 @@ file is its text and gemmi's reading of it; MDAnalysis is asked only for what co
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -23,7 +24,7 @@ from loopelastica._checks import whole
 from loopelastica.errors import StructureError
 from loopelastica.molecule._mmcif import parse_mmcif, read_text
 from loopelastica.molecule._pdb import pdb_text, scan_pdb
-from loopelastica.molecule._source import Limits, first_line, name_of
+from loopelastica.molecule._source import Limits, check_regular, first_line, name_of
 from loopelastica.molecule.reading import is_mmcif, is_pdb
 
 
@@ -104,6 +105,9 @@ def read_entry(source: Any, limits: Limits | None = None) -> Entry:
             return _pdb(path, pdb_text(path, limits), limits, path)
         if is_mmcif(path):
             return _mmcif(path, read_text(path, limits), limits, path)
+        # what is no file at all is told so rather than about its name
+        with suppress(OSError, ValueError):
+            check_regular(path)
         raise StructureError(
             f"{name_of(path)}: only PDB and mmCIF files can be filled, by their name *.pdb, *.ent,"
             " *.cif or *.mmcif, also with .gz or .bz2"

@@ -1,7 +1,7 @@
 """The structures of a folder."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from loopelastica._files import read_manifest
@@ -32,13 +32,36 @@ def structure_files(folder: Path, deep: bool = False, argument: str = "folder") 
     ValueError
         If there is none.
     """
-    found = sorted(_deep(folder) if deep else filter(_is_structure, folder.glob("*")))
+    found = sorted(_deep(folder)) if deep else _inside(folder)
     if not found:
         why = (
             "" if folder.is_dir() else ": it is a file" if folder.exists() else ": it is not there"
         )
         raise ValueError(f"`{argument}` {folder} holds no PDB or mmCIF file{why}")
     return found
+
+
+def with_folders(sources: Iterable[str]) -> list[str]:
+    """Files, and in the place of a folder those that it holds.
+
+    Parameters
+    ----------
+    sources : iterable of str
+        Files and folders. A folder without structures stays: whoever reads it says what it is.
+
+    Returns
+    -------
+    list of str
+    """
+    files = []
+    for source in sources:
+        inside = [] if not os.path.isdir(source) else _inside(Path(source))
+        files += list(map(str, inside)) or [source]
+    return files
+
+
+def _inside(folder: Path) -> list[Path]:
+    return sorted(filter(_is_structure, folder.glob("*")))
 
 
 def _deep(top: Path) -> Iterator[Path]:

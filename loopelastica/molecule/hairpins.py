@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
-from loopelastica._checks import optional, whole
+from loopelastica._checks import keywords_known, optional, whole
+from loopelastica._html import html_table
 from loopelastica.errors import StructureError
 from loopelastica.molecule._loops import closing_pairs, named_loop, pairs_of, stem_length
 from loopelastica.molecule.nucleotides import (
@@ -74,6 +75,13 @@ class Hairpin(Record):
         Their insertion codes or "".
     stem_5, stem_3 : (n_pairs,) array of int
         The two strands of the stem outwards from the closing pair; `stem_5[k]` pairs `stem_3[k]`.
+
+    Examples
+    --------
+    >>> from loopelastica._files import data_path
+    >>> (hairpin,) = find_hairpins(data_path("hairpins/2koc.pdb"))
+    >>> hairpin.name, hairpin.label, hairpin.sequence, len(hairpin), hairpin.kind
+    ('A6-9', 'A.C5–A.G10', 'CUUCGG', 4, 'RNA')
     """
 
     chain: str
@@ -123,6 +131,13 @@ class Hairpins(list[Hairpin]):
         Secondary structure, a character per nucleotide of the structure.
     remarks : tuple of str
         One sentence for each loop that was left out, was named, or pairs with another one.
+
+    Examples
+    --------
+    >>> from loopelastica._files import data_path
+    >>> hairpins = find_hairpins(data_path("hairpins/2koc.pdb"))
+    >>> len(hairpins), hairpins.dot_bracket, hairpins.remarks
+    (1, '(((((....)))))', ())
     """
 
     __slots__ = ("dot_bracket", "remarks")
@@ -134,7 +149,23 @@ class Hairpins(list[Hairpin]):
         self.dot_bracket = dot_bracket
         self.remarks = tuple(remarks)
 
+    def _repr_html_(self) -> str:
+        """A table of them, for notebooks."""
+        names = ("loop", "closing pair", "sequence", "kind", "nt", "stem pairs", "pairs with")
+        rows = [
+            (
+                *(one.name, one.label, one.sequence, one.kind, len(one), one.n_pairs),
+                ", ".join("–".join(pair) for pair in one.contacts),
+            )
+            for one in self
+        ]
+        return html_table(f"hairpin loops: {len(self)}", names, rows)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Hairpins, ([*self], self.dot_bracket, self.remarks)
+
+
+@keywords_known
 def find_hairpins(
     structure: Any,
     *,

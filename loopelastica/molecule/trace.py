@@ -6,6 +6,8 @@ n + 0.5, so that loop nucleotide k = 1 … n lies at the arc position (k − ½)
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from loopelastica._arrays import Array, read_only
@@ -80,6 +82,35 @@ def smoothed_line(centroids_A: Array, n_points: int) -> Array:
     ValueError
         If there are fewer than three centroids, one is not finite, or fewer than two points.
     """
+    spline = _spline(centroids_A)
+    return np.asarray(spline(smoothed_phases(len(centroids_A) - 2, n_points)), dtype=np.float64)
+
+
+def smoothed_curvature(centroids_A: Array, n_points: int) -> Array:
+    """Curvature (n_points,) of the smooth line at its points, 1/Å; as :func:`smoothed_line`."""
+    spline, phases = _spline(centroids_A), smoothed_phases(len(centroids_A) - 2, n_points)
+    first, second = spline(phases, 1), spline(phases, 2)
+    speed = np.maximum(np.linalg.norm(first, axis=1), 1e-6)
+    return np.asarray(np.linalg.norm(np.cross(first, second), axis=1) / speed**3)
+
+
+def smoothed_phases(n: int, n_points: int) -> Array:
+    """Phases (n_points,) of the smooth line's points for n loop nucleotides.
+
+    >>> print(smoothed_phases(4, 3))
+    [0.5 2.5 4.5]
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two points.
+    """
+    if n_points < 2:
+        raise ValueError(f"`n_points` is {n_points}; a line has at least two")
+    return np.linspace(0.5, n + 0.5, n_points)
+
+
+def _spline(centroids_A: Array) -> Any:
     from scipy.interpolate import CubicSpline
 
     centroids_A = np.asarray(centroids_A, dtype=np.float64)
@@ -87,11 +118,7 @@ def smoothed_line(centroids_A: Array, n_points: int) -> Array:
         raise ValueError("`centroids_A` needs the shape (n + 2, 3) with n at least 1")
     if not np.isfinite(centroids_A).all():
         raise ValueError("`centroids_A` is not finite everywhere")
-    if n_points < 2:
-        raise ValueError(f"`n_points` is {n_points}; a line has at least two")
-    last = len(centroids_A) - 1
-    spline = CubicSpline(np.arange(last + 1), centroids_A, bc_type="natural")
-    return np.asarray(spline(np.linspace(0.5, last - 0.5, n_points)), dtype=np.float64)
+    return CubicSpline(np.arange(len(centroids_A)), centroids_A, bc_type="natural")
 
 
 def native_backbone(nucleotides: Nucleotides, hairpin: Hairpin, positions: Array) -> Array | None:

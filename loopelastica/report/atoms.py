@@ -132,9 +132,9 @@ class LoopAtoms:
         return {n: None if found is None else value(found) for n, value in _COLUMNS.items()}
 
     def figures(self, rank: int) -> dict[str, Any]:
-        """Of these columns the few that the table of a run has."""
+        """Of these columns the few that the table of a run has, and why a model is not sound."""
         columns = self.columns(rank)
-        return {name: columns[name] for name in ATOMS_COLUMNS}
+        return {name: columns[name] for name in (*ATOMS_COLUMNS, "atoms_not_sound_because")}
 
     def sticks(self, rank: int) -> Array | None:
         """Bonds (m, 2, 3) of one candidate's atoms in the coordinates of the file, Å."""
@@ -157,6 +157,12 @@ _COLUMNS: Final[dict[str, Callable[[AtomModel], Any]]] = {
     "atoms_clashes_per_1000": lambda model: model.checks.clashes_per_1000,
     "atoms_line_A": lambda model: model.checks.line_after_A,
 }
+
+
+def model_row(model: AtomModel) -> dict[str, Any]:
+    """The row of a model in tables: ``rank``, ``sound``, and what was measured on its atoms."""
+    columns = {name.removeprefix("atoms_"): value(model) for name, value in _COLUMNS.items()}
+    return {"rank": model.rank, **columns}
 
 
 def write_atoms(folder: Path, atoms: LoopAtoms, source: Source = None) -> None:

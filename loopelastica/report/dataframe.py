@@ -4,87 +4,114 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from loopelastica._checks import shown
 from loopelastica.errors import MissingDependencyError
 from loopelastica.folding.result import LoopFold
-from loopelastica.report.records import candidate_row, loop_row
+from loopelastica.folding.scan import LoopScan
+from loopelastica.molecule.hairpins import Hairpin
+from loopelastica.report.records import candidate_row, hairpin_row, loop_row, scan_rows
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 
-class _Records(Protocol):
-    """What an analysis that ran and a filling have: a record per frame and loop, per strand."""
-
-    def records(self) -> Iterator[dict[str, Any]]: ...
-
-
-def to_dataframe(results: Iterable[LoopFold | _Records] | _Records) -> DataFrame:
-    """Folded loops or filled strands as a pandas table, or an analysis that ran.
+def to_dataframe(results: Any) -> DataFrame:
+    """Results of this package as a pandas table.
 
     Parameters
     ----------
-    results : iterable of LoopFold, Filling, iterable of Filling, or LoopElastica
-        What :func:`fold` returns, of one structure or of several: a row per candidate. What
-        :func:`fill` returns, or several of these: a row per strand, filled or refused. Or an
-        analysis of a trajectory that ran: a row per frame and loop.
+    results : LoopFold, LoopScan, Filling, Hairpin, AtomModel, LoopElastica or iterable of these
+        Or Equilibria, Barriers.
+        One of these or several of one kind, of one structure or of many: what :func:`fold`,
+        :func:`scan`, :func:`fill`, :func:`find_hairpins`, :func:`build_atoms` and :func:`build`
+        give, or an analysis of a trajectory that ran.
 
     Returns
     -------
     pandas.DataFrame
-        Of folds in the columns of ranking.csv: lengths in Å, energies as in :class:`Candidate`; the
-        last column, ``failure``, is the reason where a loop could not be folded, which is a row
-        without candidate. Of fillings in the columns of summary.csv. What is not there is missing
-        (``None`` or ``NaN``).
+        Lengths in Å; what is not there is missing (``None`` or ``NaN``).
+
+        - Of folds a row per candidate: ``file``, then the columns of ranking.csv, then ``failure``.
+          A loop that could not be folded is one row with the reason.
+        - Of scans a row per shape in the columns of scan.csv, then ``failure``.
+        - Of fillings a row per strand, filled or refused, in the columns of summary.csv.
+        - Of hairpins a row each: closing pair, sequence, kind, stem, what the loop pairs with.
+        - Of models a row each: whether its atoms are sound, what is wrong, what was measured on
+          them. Of a hairpin that was built all its candidates.
+        - Of equilibria and of barriers a row each.
+        - Of an analysis a row per frame, loop and candidate.
 
     Raises
     ------
     MissingDependencyError
         If pandas is not installed.
     ValueError
-        If `results` is neither.
+        If `results` is none of these, holds two kinds, or is an analysis that did not run.
 
     Examples
     --------
     >>> import loopelastica as le
     >>> from loopelastica._files import data_path
-    >>> folds = le.fold(data_path("hairpins/2koc.pdb"), all_models=False, shapes="rod")
-    >>> table = to_dataframe(folds)
+    >>> path = data_path("hairpins/2koc.pdb")
+    >>> table = to_dataframe(le.fold(path, all_models=False, shapes="rod"))
     >>> print(table.loc[0, "sequence"], round(table.loc[0, "rmsd_A"], 2))
     CUUCGG 2.12
+    >>> table = to_dataframe(le.find_hairpins(path))
+    >>> print(table[["loop", "closing_pair", "sequence", "stem_pairs"]].to_string(index=False))
+    loop closing_pair sequence  stem_pairs
+    A6-9   A.C5–A.G10   CUUCGG           5
     """
-    given: Any = results
+    given = [results] if _is_one(results) else results
     try:
-        rows = _rows([given] if _has_records(given) else iter(given))
+        several = [*given]
     except TypeError:
-        raise ValueError(
-            f"`results` is {shown(given)}; it must be what fold or fill gives, or an analysis"
-        ) from None
-    table: DataFrame = _pandas().DataFrame(list(rows))
+        raise ValueError(f"`results` is {shown(results)}; {_KINDS}") from None
+    kinds = dict.fromkeys(_kind(one) for one in several)
+    if len(kinds) > 1:
+        raise ValueError(f"`results` holds {' and '.join(kinds)}; a table is of one kind")
+    table: DataFrame = _pandas().DataFrame([row for one in several for row in _rows(one)])
     return table
 
 
+_KINDS = "it must be what fold, scan, fill, find_hairpins or build gives, or an analysis that ran"
+
+
+def _is_one(given: Any) -> bool:
+    """Whether this is a single result, not an iterable of them; a hairpin has a length too."""
+    return isinstance(given, LoopFold | LoopScan | Hairpin) or _has_records(given)
+
+
 def _has_records(given: Any) -> bool:
-    return callable(getattr(given, "records", None))
+    """Whether it has rows of its own: models load late, fillings lie above this room."""
+    return not isinstance(given, type) and callable(getattr(given, "records", None))
 
 
-def _rows(results: Iterable[Any]) -> Iterator[dict[str, Any]]:
-    for one in results:
-        if _has_records(one):
-            yield from one.records()
-        elif isinstance(one, LoopFold):
-            yield from _fold_rows(one)
-        else:
-            raise ValueError(f"`results` holds {shown(one)}; it must hold what fold or fill gives")
+def _kind(one: Any) -> str:
+    if not _is_one(one):
+        raise ValueError(f"`results` holds {shown(one)}; {_KINDS}")
+    return type(one).__name__
+
+
+def _rows(one: Any) -> Iterable[dict[str, Any]]:
+    if isinstance(one, LoopFold):
+        return _fold_rows(one)
+    if isinstance(one, LoopScan):
+        failed = [{**hairpin_row(one.hairpin), "failure": one.failure}] if one.failure else []
+        return [*({**row, "failure": None} for row in scan_rows(one)), *failed]
+    if isinstance(one, Hairpin):
+        return [hairpin_row(one)]
+    rows: Iterable[dict[str, Any]] = one.records()
+    return rows
 
 
 def _fold_rows(fold: LoopFold) -> Iterator[dict[str, Any]]:
+    about = {"file": None if fold.source is None else fold.source.file, **loop_row(fold)}
     for candidate in fold.candidates:
-        yield {**loop_row(fold), **candidate_row(candidate), "failure": None}
+        yield {**about, **candidate_row(candidate), "failure": None}
     if fold.failure is not None:
-        yield {**loop_row(fold), "failure": fold.failure}
+        yield {**about, "failure": fold.failure}
 
 
 def _pandas() -> Any:

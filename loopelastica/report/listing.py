@@ -46,7 +46,7 @@ def listing(structure: Structure, hairpins: Hairpins) -> dict[str, Any]:
         },
         "chains": secondary_structure(structure, hairpins),
         "modified": modified(structure),
-        "remarks": [*structure.remarks, *hairpins.remarks],
+        "remarks": remarks(structure, hairpins),
         "hairpins": [_hairpin(structure, hairpin) for hairpin in hairpins],
     }
 

@@ -1,7 +1,7 @@
 """What is recorded of a folded loop: rows of tables, the content of JSON files, its dense line."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -13,10 +13,20 @@ from loopelastica._files import PROGRAM, sha256
 from loopelastica._version import __version__
 from loopelastica.folding.rank import Candidate
 from loopelastica.folding.result import LoopFold
+from loopelastica.folding.scan import LoopScan
 from loopelastica.molecule.hairpins import Hairpin
 
 LINE_POINTS = 101
 """Points of line.csv and of the plots, per candidate."""
+
+SCAN_COLUMNS = (
+    *("file", "loop", "kind", "closing_pair", "sequence", "nucleotides", "spread_A"),
+    *("rank", "rank_by_EL", "is_rule", "stem_extend_5", "stem_extend_3", "taper"),
+    *("length_per_nucleotide_A", "length_A", "free_nucleotides", "energy_per_A"),
+    *("energy_dimensionless", "stable", "residual", "touching", "stem_contact_A"),
+    *("self_contact_A", "rmsd_A"),
+)
+"""Columns of scan.csv."""
 
 ATOMS_COLUMNS = (
     *("atoms_sound", "atoms_worst_bond_A", "atoms_worst_angle_deg", "atoms_closest_A"),
@@ -80,13 +90,65 @@ def loop_row(fold: LoopFold) -> dict[str, Any]:
     }
 
 
-def ranking(source: Path | str, fold: LoopFold, remarks: Sequence[str] = ()) -> dict[str, Any]:
+def hairpin_row(hairpin: Hairpin) -> dict[str, Any]:
+    """The columns that say what a hairpin is."""
+    return {
+        "chain": hairpin.chain,
+        "loop": hairpin.name,
+        "closing_pair": hairpin.label,
+        "sequence": hairpin.sequence,
+        "kind": hairpin.kind,
+        "nucleotides": len(hairpin),
+        "absent": int((hairpin.loop < 0).sum()),
+        "stem_pairs": hairpin.n_pairs,
+        "contacts": ", ".join("–".join(pair) for pair in hairpin.contacts),
+        "kissing": ", ".join(hairpin.kissing),
+    }
+
+
+def scan_rows(loop: LoopScan) -> Iterator[dict[str, Any]]:
+    """The columns of scan.csv, a row per shape."""
+    hairpin = loop.hairpin
+    about = {
+        "file": loop.file,
+        "loop": hairpin.name,
+        "kind": hairpin.kind,
+        "closing_pair": hairpin.label,
+        "sequence": hairpin.sequence,
+        "nucleotides": len(hairpin),
+        "spread_A": loop.spread_A,
+    }
+    for one in loop.candidates:
+        shape = one.candidate
+        yield {
+            **about,
+            "rank": shape.rank,
+            "rank_by_EL": one.rank_by_EL,
+            "is_rule": one.is_rule,
+            **one.ends.clamp.to_dict(),
+            "length_A": shape.length_A,
+            "free_nucleotides": one.ends.n_free,
+            "energy_per_A": shape.energy_per_A,
+            "energy_dimensionless": shape.line.energy,
+            "stable": shape.stable,
+            "residual": shape.residual,
+            "touching": shape.contacts.touching,
+            "stem_contact_A": finite(shape.contacts.stem_A),
+            "self_contact_A": finite(shape.contacts.self_A),
+            "rmsd_A": shape.rmsd_A,
+        }
+
+
+def ranking(
+    source: Path | str | Mapping[str, Any], fold: LoopFold, remarks: Sequence[str] = ()
+) -> dict[str, Any]:
     """The content of ranking.json: all that is needed to repeat and to judge the result.
 
     Parameters
     ----------
-    source : Path or str
-        The file that was folded, or the sequence the hairpin was built from.
+    source : Path, str or mapping
+        The file that was folded, the sequence the hairpin was built from, or what is recorded of
+        anything else.
     fold : LoopFold
         What came out.
     remarks : sequence of str
@@ -109,9 +171,7 @@ def ranking(source: Path | str, fold: LoopFold, remarks: Sequence[str] = ()) -> 
     return {
         **program(),
         "libraries": {name: version(name) for name in ("numpy", "scipy", "numba", "MDAnalysis")},
-        "input": {"file": source.name, "sha256": sha256(source)}
-        if isinstance(source, Path)
-        else {"sequence": source},
+        "input": _input(source),
         "hairpin": {
             **about(fold.hairpin),
             "stem_pairs": fold.hairpin.n_pairs,
@@ -149,6 +209,12 @@ def ranking(source: Path | str, fold: LoopFold, remarks: Sequence[str] = ()) -> 
             for c in fold.candidates
         ],
     }
+
+
+def _input(source: Path | str | Mapping[str, Any]) -> dict[str, Any]:
+    if isinstance(source, Path):
+        return {"file": source.name, "sha256": sha256(source)}
+    return {"sequence": source} if isinstance(source, str) else dict(source)
 
 
 def program() -> dict[str, str]:

@@ -59,6 +59,14 @@ class Barrier(Record):
         All saddles of the way in their order; between two of them it goes through a minimum.
     message : str
         Why there is no pass; empty if there is one.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> q = le.Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2])
+    >>> barrier = le.barriers(le.equilibria(q, energy_max=50)).between(1, 2)
+    >>> print(barrier.minima, round(barrier.energy, 3), barrier.saddle.index)
+    (1, 2) 40.211 1
     """
 
     minima: tuple[int, int]
@@ -78,6 +86,14 @@ class Barriers(list[Barrier]):
         Equilibria that the list did not have and the search came across, lowest energy first.
     out_of_time : bool
         Whether a time limit ended the search.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> q = le.Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2])
+    >>> passes = le.barriers(le.equilibria(q, energy_max=50))
+    >>> len(passes), [barrier.minima for barrier in passes if barrier.saddle is not None]
+    (3, [(1, 2)])
     """
 
     def __init__(
@@ -88,9 +104,21 @@ class Barriers(list[Barrier]):
         self.out_of_time = out_of_time
 
     def between(self, i: int, j: int) -> Barrier:
-        """The barrier between the minima at the positions ``i`` and ``j`` of the list.
+        """The barrier between two minima.
 
-        ValueError if one of them is no minimum, or they are the same.
+        Parameters
+        ----------
+        i, j : int
+            Their positions in the list.
+
+        Returns
+        -------
+        Barrier
+
+        Raises
+        ------
+        ValueError
+            If one of them is no minimum, or they are the same.
         """
         for barrier in self:
             if barrier.minima in ((i, j), (j, i)):
@@ -98,7 +126,14 @@ class Barriers(list[Barrier]):
         raise ValueError(f"there is no barrier between {shown(i)} and {shown(j)} of the list")
 
     def records(self) -> Iterator[dict[str, Any]]:
-        """A row for each barrier, for :func:`to_dataframe`."""
+        """Give a row for each barrier, for :func:`loopelastica.to_dataframe`.
+
+        Yields
+        ------
+        dict
+            Positions of the minima in the list; energy of the pass and its heights above them
+            (K0/L); number of saddles; why there is no pass.
+        """
         for barrier in self:
             known = barrier.saddle is not None
             yield {

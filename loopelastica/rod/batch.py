@@ -65,6 +65,14 @@ class Batch(Record):
         boundary layers besides, which ``batch[i]`` has.
     records : dict
         The nodes or boundary layers of those rows.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import loopelastica as le
+    >>> batch = le.solve_batch([[0, 0, 0.9], [0, 0, 0.8]], [np.eye(3), np.eye(3)])
+    >>> len(batch), batch.loads.shape, [round(rod.energy, 3) for rod in batch]
+    (2, (2, 6), [4.05, 8.323])
     """
 
     positions: Array
@@ -139,8 +147,10 @@ def solve_batch(
     torsion_ratio : float or (n,) array_like
         K30 = K3/K0, of all rows or of each. Each ratio has a guess library of its own, which takes
         a moment to build where ``lowest`` is False.
-    free_spin, lowest
-        As for :class:`Clamping` and :func:`solve`.
+    free_spin : bool
+        As for :class:`Clamping`.
+    lowest : bool
+        As for :func:`solve`.
     threads : int
         Threads to compute with; the compiled solver runs without the interpreter's lock.
     tolerance : float

@@ -149,10 +149,14 @@ class Clamping(Record):
 
         Parameters
         ----------
-        start_origin, end_origin : (3,) array_like
-            Where the rod starts and ends, in any unit.
-        start_frame, end_frame : (3, 3) array_like
-            Frames there, columns d1 d2 d3.
+        start_origin : (3,) array_like
+            Where the rod starts, in any unit.
+        start_frame : (3, 3) array_like
+            Frame there, columns d1 d2 d3.
+        end_origin : (3,) array_like
+            Where it ends, in the same unit.
+        end_frame : (3, 3) array_like
+            Frame there, columns d1 d2 d3.
         length : float
             The rod's length in the same unit.
         free_spin : bool
@@ -215,6 +219,15 @@ class Clamping(Record):
 
         The new frame is the old one turned by −`angle` about d3, so that both ends' components
         turn by +`angle`: ψ grows and φ falls by it.
+
+        Parameters
+        ----------
+        angle : float
+            Radians.
+
+        Returns
+        -------
+        Clamping
         """
         z = _rotation_zyz(finite("angle", angle), 0.0, 0.0)
         return Clamping(z @ self.position, z @ self.rotation @ z.T, self.free_spin)
@@ -223,6 +236,13 @@ class Clamping(Record):
         """The turned clamping with η1 ≥ 0 and η2 = 0, and the angle φ_a of eq. 19.
 
         ``reduced.turned(angle)`` is this clamping again. Five parameters are left (eq. 17).
+
+        Returns
+        -------
+        reduced : Clamping
+            The turned clamping.
+        angle : float
+            Radians.
         """
         angle = math.atan2(self.position[1], self.position[0])
         turned = self.turned(-angle)
@@ -233,6 +253,10 @@ class Clamping(Record):
         """The clamping of the same rod run through from its end to its start.
 
         The frames of the reversed rod are (d1, −d2, −d3) of this one.
+
+        Returns
+        -------
+        Clamping
         """
         flip = np.diag([1.0, -1.0, -1.0])
         return Clamping(
@@ -242,12 +266,23 @@ class Clamping(Record):
         )
 
     def mirrored(self) -> "Clamping":
-        """The clamping of the rod's mirror image in the plane of d1 and d3 (eq. 34–35)."""
+        """The clamping of the rod's mirror image in the plane of d1 and d3 (eq. 34–35).
+
+        Returns
+        -------
+        Clamping
+        """
         mirror = np.diag([1.0, -1.0, 1.0])
         return Clamping(mirror @ self.position, mirror @ self.rotation @ mirror, self.free_spin)
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
+        """Give all that determines it, JSON-ready.
+
+        Returns
+        -------
+        dict
+            For :meth:`from_dict`.
+        """
         return {
             "position": self.position.tolist(),
             "rotation": self.rotation.tolist(),
@@ -256,9 +291,23 @@ class Clamping(Record):
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> "Clamping":
-        """The inverse of :meth:`to_dict`.
+        """Make the inverse of :meth:`to_dict`.
 
-        Raises KeyError if a value is missing, and ValueError for what is no clamping.
+        Parameters
+        ----------
+        values : dict
+            As `to_dict` has given it.
+
+        Returns
+        -------
+        Clamping
+
+        Raises
+        ------
+        KeyError
+            If a value is missing.
+        ValueError
+            For what is no clamping.
         """
         if not isinstance(values, dict):
             raise ValueError(f"`values` is {shown(values)}; it must be a dictionary of a clamping")

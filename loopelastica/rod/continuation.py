@@ -196,7 +196,11 @@ def twist_end(
         Where the path starts, with zero turns.
     turns : float
         How far to go, in turns about d3(L); of either sign.
-    steps, max_step, stability
+    steps : int
+        Most steps.
+    max_step : float
+        As for :func:`continue_clamping`.
+    stability : bool
         As for :func:`continue_clamping`.
 
     Returns

@@ -18,11 +18,14 @@ shifted along itself as well.
 import functools
 import math
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from loopelastica._checks import instance, optional, positive, whole
+from loopelastica._html import html_table
 from loopelastica.rod._arguments import check_torsion_ratio
 from loopelastica.rod._same import Marked
 from loopelastica.rod._search import Search, Tours
@@ -130,6 +133,14 @@ class Equilibria(list[Equilibrium]):
         How the curves ended that were followed from the rods found, their end turned all round.
     out_of_time : bool
         Whether a time limit ended the search.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> q = le.Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2])
+    >>> rods = le.equilibria(q, energy_max=50)
+    >>> [rod.index for rod in rods], rods.hits[0] > 1, rods.unseen < 0.1
+    ([0, 0, 0, 1, 2, 1], True, True)
     """
 
     def __init__(
@@ -156,6 +167,36 @@ class Equilibria(list[Equilibrium]):
         self._selected = selected
         self.found_by = found_by or {}
         self.tours = tours or Tours()
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Give a row for each equilibrium, for :func:`loopelastica.to_dataframe`.
+
+        Yields
+        ------
+        dict
+            ``rank``, ``energy`` (K0/L), ``index`` (Morse), ``stable``, ``twist`` (turns),
+            ``residual``, loads ``F1`` … ``M3`` in the start frame, and ``hits``.
+        """
+        for rank, (rod, hits) in enumerate(zip(self, self.hits, strict=True), start=1):
+            yield {
+                "rank": rank,
+                "energy": rod.energy,
+                "index": rod.index,
+                "stable": rod.stable,
+                "twist": rod.twist,
+                "residual": rod.residual,
+                **dict(zip(("F1", "F2", "F3", "M1", "M2", "M3"), rod.loads.tolist(), strict=True)),
+                "hits": hits,
+            }
+
+    def _repr_html_(self) -> str:
+        """A table of them, for notebooks."""
+        rows = [
+            (row["rank"], f"{row['energy']:.6g}", row["index"], f"{row['twist']:.4f}", row["hits"])
+            for row in self.records()
+        ]
+        caption = f"{len(self)} equilibria up to {self.energy_max:.6g} K0/L"
+        return html_table(caption, ("rank", "energy (K0/L)", "index", "twist", "hits"), rows)
 
     @functools.cached_property
     def unseen(self) -> float:

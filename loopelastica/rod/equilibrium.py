@@ -74,6 +74,16 @@ class Equilibrium(Record):
     index : int or None
         Morse index: independent ways downhill with both ends clamped; None until it is computed
         (see :mod:`.stability`).
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> q = le.Clamping.from_parameters([-0.4, -0.1, 0.5, 4.8, 1.4, 2.2])
+    >>> rod = le.solve(q)
+    >>> rod.converged, round(rod.energy, 4), rod.centerline(3).shape
+    (True, 7.0579, (3, 3))
+    >>> le.Equilibrium.from_dict(rod.to_dict()).energy == rod.energy
+    True
     """
 
     clamping: Clamping
@@ -198,15 +208,39 @@ class Equilibrium(Record):
         return PhysicalParameters.from_loads(self.loads, self.torsion_ratio)
 
     def poses(self, n: int | ArrayLike) -> Array:
-        """Position and quaternion (w, x, y, z) of the frame at ``n`` points, shape (n, 7).
+        """Position and quaternion (w, x, y, z) of the frame along the rod.
 
-        ``n`` is a number of points equally spaced in arc length, both ends included, or an array
-        of arc lengths in [0, 1], in any order. ValueError if it is neither.
+        Parameters
+        ----------
+        n : int or (n,) array_like
+            Number of points, equally spaced in arc length, both ends included; or arc lengths in
+            [0, 1], in any order.
+
+        Returns
+        -------
+        (n, 7) array
+            In the start frame, in units of L.
+
+        Raises
+        ------
+        ValueError
+            If `n` is neither.
         """
         return self._poses(arc_lengths(n), self.torsion_ratio)
 
     def poses_without_spin(self, n: int | ArrayLike) -> Array:
-        """As `poses`, the frames turning with M as if K30 were 1 (M3 keeps its value)."""
+        """Poses whose frames turn with M as if K30 were 1 (M3 keeps its value).
+
+        Parameters
+        ----------
+        n : int or (n,) array_like
+            As for `poses`.
+
+        Returns
+        -------
+        (n, 7) array
+            As of `poses`.
+        """
         return self._poses(arc_lengths(n), 1.0)
 
     def _poses(self, s: Array, torsion_ratio: float) -> Array:
@@ -226,27 +260,79 @@ class Equilibrium(Record):
         return out
 
     def centerline(self, n: int | ArrayLike) -> Array:
-        """Points of the center line in the start frame, shape (n, 3); ``n`` as in `poses`."""
+        """Points of the center line.
+
+        Parameters
+        ----------
+        n : int or (n,) array_like
+            As for `poses`.
+
+        Returns
+        -------
+        (n, 3) array
+            In the start frame, in units of L.
+        """
         return self.poses(n)[:, :3]
 
     def frames(self, n: int | ArrayLike) -> Array:
-        """Frames in the start frame, shape (n, 3, 3), columns d1 d2 d3; ``n`` as in `poses`."""
+        """Frames along the rod.
+
+        Parameters
+        ----------
+        n : int or (n,) array_like
+            As for `poses`.
+
+        Returns
+        -------
+        (n, 3, 3) array
+            In the start frame, columns d1 d2 d3.
+        """
         from scipy.spatial.transform import Rotation
 
         return np.asarray(Rotation.from_quat(self.poses(n)[:, 3:], scalar_first=True).as_matrix())
 
     def moment(self, n: int | ArrayLike) -> Array:
-        """M(s) = M0 + F × r(s) in the start frame, shape (n, 3), in K0/L (eq. 3b)."""
+        """Moment M(s) = M0 + F × r(s) along the rod (eq. 3b).
+
+        Parameters
+        ----------
+        n : int or (n,) array_like
+            As for `poses`.
+
+        Returns
+        -------
+        (n, 3) array
+            In the start frame, in K0/L.
+        """
         return self.loads[3:] + np.cross(self.loads[:3], self.centerline(n))
 
     def curvature(self, n: int | ArrayLike) -> Array:
-        """|κ(s)|, shape (n,), in 1/L: the moment across the tangent (eq. 4)."""
+        """Curvature ``|κ(s)|`` along the rod: the moment across the tangent (eq. 4).
+
+        Parameters
+        ----------
+        n : int or (n,) array_like
+            As for `poses`.
+
+        Returns
+        -------
+        (n,) array
+            In 1/L.
+        """
         moment = self.moment(n)
         # |M × t| keeps its digits where |M|² − M3² would cancel
         return np.asarray(np.linalg.norm(np.cross(moment, self.frames(n)[:, :, 2]), axis=1))
 
     def to_dict(self) -> dict[str, Any]:
-        """All that determines it, JSON-ready (an unsolved one has null energy and residual)."""
+        """Give all that determines it, JSON-ready.
+
+        An equilibrium that was not solved has null energy and residual.
+
+        Returns
+        -------
+        dict
+            For :meth:`from_dict`.
+        """
         return {
             "clamping": self.clamping.to_dict(),
             "torsion_ratio": self.torsion_ratio,
@@ -266,9 +352,23 @@ class Equilibrium(Record):
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> "Equilibrium":
-        """The inverse of :meth:`to_dict`.
+        """Make the inverse of :meth:`to_dict`.
 
-        Raises KeyError if a value is missing, and ValueError for what is no equilibrium.
+        Parameters
+        ----------
+        values : dict
+            As `to_dict` has given it.
+
+        Returns
+        -------
+        Equilibrium
+
+        Raises
+        ------
+        KeyError
+            If a value is missing.
+        ValueError
+            For what is no equilibrium.
         """
         if not isinstance(values, dict):
             raise ValueError(f"`values` is {shown(values)}; it must be a dictionary of a rod")

@@ -228,7 +228,9 @@ class PhysicalParameters:
 
         Parameters
         ----------
-        n, torsion_ratio
+        n : int or (n,) array_like
+            As for `centerline`.
+        torsion_ratio : float
             As for `centerline`.
 
         Returns
@@ -305,6 +307,10 @@ class PhysicalParameters:
         """The mirror image of the rod in the plane of d1(0) and d3(0) (eq. 34–35).
 
         It has η2, ψ and φ of the opposite sign, and for any torsion ratio.
+
+        Returns
+        -------
+        PhysicalParameters
         """
         phi0 = -self.phi0
         if self.lam + self.t_p == 0.0:  # where ψ(0) = π/2 stands for −π/2 as well

@@ -270,7 +270,13 @@ class RestShape(Record):
         return equilibria(self, clamping, torsion_ratio, energy_max)
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready."""
+        """Give all that determines it, JSON-ready.
+
+        Returns
+        -------
+        dict
+            For :meth:`from_dict`.
+        """
         assert self.stiffness is not None
         return {
             "steps": self.steps.tolist(),
@@ -280,9 +286,23 @@ class RestShape(Record):
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> "RestShape":
-        """The inverse of :meth:`to_dict`.
+        """Make the inverse of :meth:`to_dict`.
 
-        Raises KeyError if a value is missing, and ValueError for what is no rest shape.
+        Parameters
+        ----------
+        values : dict
+            As `to_dict` has given it.
+
+        Returns
+        -------
+        RestShape
+
+        Raises
+        ------
+        KeyError
+            If a value is missing.
+        ValueError
+            For what is no rest shape.
         """
         if not isinstance(values, dict):
             raise ValueError(f"`values` is {shown(values)}; it must be a dictionary of a shape")

@@ -8,7 +8,8 @@ import gapped
 import pytest
 
 from loopelastica.batch.fills import COLUMNS, FILLS
-from loopelastica.batch.run import run, tasks_of
+from loopelastica.batch.run import run
+from loopelastica.batch.tasks import tasks_of
 from loopelastica.filling.options import FillOptions
 
 pytest.importorskip("rdkit")

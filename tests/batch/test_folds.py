@@ -8,7 +8,8 @@ import pytest
 
 from loopelastica._files import data_path
 from loopelastica.batch.folds import FOLDS
-from loopelastica.batch.run import run, tasks_of
+from loopelastica.batch.run import run
+from loopelastica.batch.tasks import tasks_of
 from loopelastica.folding.options import FoldOptions
 
 OPTIONS = {**FoldOptions(all_models=False, max_candidates=1).to_dict(), "plot": False}

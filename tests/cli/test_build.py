@@ -13,13 +13,17 @@ def run(*arguments):
     return CliRunner().invoke(app, ["build", *(str(a) for a in arguments)])
 
 
+def folders(path):
+    return [place for place in path.iterdir() if place.is_dir()]
+
+
 FAST = ("--candidates", 1, "--no-plot")
 
 
 def test_a_hairpin_is_built_from_its_sequence(tmp_path):
     result = run("GGC(TTTT)GCC", "-o", tmp_path, "--candidates", 1)
     assert result.exit_code == 0, result.output
-    (folder,) = tmp_path.iterdir()
+    (folder,) = folders(tmp_path)
     assert folder.name == "GGCTTTTGCC_A4-7"
     names = {path.name for path in folder.iterdir()}
     assert {"atoms.pdb", "loop.sdf", "atoms.json", "traces.pdb", "plot.png"} <= names
@@ -27,6 +31,10 @@ def test_a_hairpin_is_built_from_its_sequence(tmp_path):
         (row,) = csv.DictReader(file)
     assert row["atoms_sound"] == "True"
     assert row["rmsd_A"] == row["atoms_rmsd_A"] == ""
+    with (tmp_path / "summary.csv").open() as file:
+        (summed,) = csv.DictReader(file)
+    assert (summed["file"], summed["folder"]) == ("GGCTTTTGCC", folder.name)
+    assert summed["atoms_closest_A"] == row["atoms_closest_A"]
     ranking = json.loads((folder / "ranking.json").read_text())
     assert ranking["input"] == {"sequence": "GGC(TTTT)GCC"}
     assert ranking["hairpin"]["kind"] == "DNA"
@@ -44,9 +52,10 @@ def test_a_dot_bracket_and_options_are_taken(tmp_path):
     result = run("ggucuucgguuc", "((((....))))", "--5-phosphate", "--mismatches", *FAST, "-o",
                  tmp_path)  # fmt: skip
     assert result.exit_code == 0, result.output
-    assert "note: U3·U10 do not pair; they stand where they find room" in result.output
-    assert "note: the 5' end has a phosphate" in result.output
-    (folder,) = tmp_path.iterdir()
+    said = " ".join(result.output.split())
+    assert "U3·U10 do not pair; they stand where they find room" in said
+    assert "the 5' end has a phosphate" in said
+    (folder,) = folders(tmp_path)
     assert folder.name == "GGUCUUCGGUUC_A5-8"
     first = [line for line in (folder / "atoms.pdb").read_text().splitlines()
              if line.startswith("ATOM") and line[22:26].strip() == "1"]  # fmt: skip

@@ -98,6 +98,17 @@ def test_points_tangents_and_curvature_are_of_one_curve(which, request):
 
 
 @pytest.mark.parametrize("which", ["rod", "chain"])
+def test_phases_count_the_nucleotides_that_the_line_passes(which, request):
+    line = request.getfixturevalue(which)
+    s = np.linspace(0.0, 1.0, 4001)
+    phases, points = line.phases(s), line.points(s)
+    assert (np.diff(phases) > 0.0).all()
+    for k, node in enumerate(line.trace, start=1):
+        nearest = np.argmin(np.linalg.norm(points - node, axis=1))
+        assert phases[nearest] == pytest.approx(k, abs=0.01)
+
+
+@pytest.mark.parametrize("which", ["rod", "chain"])
 def test_contacts_are_looked_for_from_half_a_nucleotide_on(which, request):
     line = request.getfixturevalue(which)
     points, phases = line.sampled()

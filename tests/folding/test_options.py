@@ -97,10 +97,11 @@ def test_the_keywords_are_seen_in_signature_and_docstring():
         assert "{options}" not in function.__doc__
         assert all(p.kind is p.KEYWORD_ONLY for n, p in parameters.items() if n != "structure")
     names = set(inspect.signature(le.LoopElastica).parameters)
-    assert {"atoms", "taper", "pair"} <= names
-    for name in ("all_models", "max_candidates", "persistence_length_A"):
+    assert {"atoms", "taper", "pair", "max_candidates", "persistence_length_A"} <= names
+    assert le.LoopElastica.__doc__.count("    max_candidates : ") == 1
+    for name in ("all_models", "max_size_MB", "max_atoms"):
         assert name not in names
-        assert f"    {name} : " in le.fold.__doc__
+        assert name in le.fold.__doc__
         assert f"    {name} : " not in le.LoopElastica.__doc__
 
 

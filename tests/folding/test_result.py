@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import sys
 
 import pytest
 
@@ -69,3 +70,29 @@ def test_copies_and_pickles_stay_read_only(loop, models):
                 array[...] = 0
         assert repr(other) == repr(loop)
         assert other.options == loop.options
+
+
+def test_a_loop_draws_itself_in_its_stem(loop, refused, monkeypatch):
+    from matplotlib.figure import Figure
+
+    asked = {}
+
+    def draw(fold, **given):
+        asked.update(given)
+        return Figure()
+
+    assert isinstance(loop.plot(), Figure)
+    monkeypatch.setattr("loopelastica.report.plots.draw_fold", draw)
+    assert isinstance(loop.plot(), Figure)
+    assert asked["setting"].names == ("U6", "U7", "C8", "G9")
+    assert "2koc.pdb" in asked["title"]
+    with pytest.raises(le.StructureError, match=r"not folded.*no rod fits"):
+        refused.plot()
+
+
+def test_a_notebook_without_nglview_is_told_which_extra_is_missing(loop, refused, monkeypatch):
+    monkeypatch.setitem(sys.modules, "nglview", None)
+    with pytest.raises(le.MissingDependencyError, match=r"loopelastica\[notebook\]"):
+        loop.view()
+    with pytest.raises(le.StructureError, match="not folded"):
+        refused.view()

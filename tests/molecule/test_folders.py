@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from loopelastica.molecule.folders import structure_files
+from loopelastica.molecule.folders import structure_files, with_folders
 
 
 @pytest.fixture
@@ -44,3 +44,14 @@ def test_a_manifest_of_others_hides_nothing(folder):
 def test_a_folder_without_structures_is_named_as_the_user_called_it(tmp_path, name, why):
     with pytest.raises(ValueError, match=rf"^`sources` .*holds no PDB or mmCIF file{why}$"):
         structure_files(tmp_path / name, deep=True, argument="sources")
+
+
+def test_a_folder_among_files_gives_way_to_its_structures(folder):
+    given = ["x.pdb", str(folder), str(folder / "in"), str(folder / "loops.lib.run")]
+    assert with_folders(given) == [
+        "x.pdb",
+        *(str(folder / name) for name in ("a.cif.gz", "b.pdb", "c.ENT")),
+        str(folder / "in" / "d.mmcif"),
+        # whoever reads it says what it is
+        str(folder / "loops.lib.run"),
+    ]

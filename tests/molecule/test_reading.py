@@ -55,7 +55,30 @@ def test_a_bad_file_is_one_sentence(tmp_path, name, content, cause):
 def test_absent_file_and_folder(tmp_path):
     assert "no such file" in fault_of(tmp_path / "absent.pdb")
     (tmp_path / "folder.pdb").mkdir()
-    assert "folder" in fault_of(tmp_path / "folder.pdb")
+    assert "this is a folder, not a structure file, and holds none" in fault_of(
+        tmp_path / "folder.pdb"
+    )
+    (tmp_path / "folder.pdb" / "a.cif").write_text("")
+    assert "give the files in it, such as a.cif" in fault_of(tmp_path / "folder.pdb")
+
+
+@pytest.mark.parametrize(
+    ("name", "entry"),
+    [("2KOC", "2KOC"), ("1zih", "1ZIH"), ("pdb_00001ehz", "pdb_00001ehz")],
+)
+def test_an_entry_of_the_pdb_is_not_downloaded_and_the_way_is_shown(
+    tmp_path, monkeypatch, name, entry
+):
+    monkeypatch.chdir(tmp_path)
+    said = fault_of(Path(name))
+    assert said.startswith(f"{name}: there is no such file, and nothing is downloaded")
+    assert f"https://files.rcsb.org/download/{entry}.cif" in said
+
+
+@pytest.mark.parametrize("name", ["loop", "0abc", "2koc.pdb", "folder/2koc.cif", "12345"])
+def test_other_files_that_are_not_there_are_no_entries(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    assert fault_of(Path(name)) == f"{name}: there is no such file"
 
 
 def test_unreadable_file(tmp_path, monkeypatch):

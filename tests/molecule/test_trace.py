@@ -14,6 +14,7 @@ from loopelastica.molecule.trace import (
     loop_arc_positions,
     native_backbone,
     rmsd_A,
+    smoothed_curvature,
     smoothed_line,
     to_file_coordinates,
 )
@@ -49,6 +50,17 @@ def test_smoothed_line_of_an_ideal_helix_is_that_helix():
     exact = np.array([line_frame(A_RNA, x)[0] for x in np.linspace(0.5, 10.5, 101)])
     assert rmsd_A(line[20:-20], exact[20:-20]) < 0.01
     assert rmsd_A(line, exact) < 0.1
+
+
+def test_smoothed_curvature_is_the_turning_of_the_smoothed_line(rng):
+    points = np.cumsum(rng.normal(size=(7, 3)) + [4.0, 0.0, 0.0], axis=0)
+    line = smoothed_line(points, 4001)
+    steps = np.diff(line, axis=0)
+    apart = np.linalg.norm(steps, axis=1)
+    turning = np.linalg.norm(np.diff(steps / apart[:, None], axis=0), axis=1) / apart[1:]
+    np.testing.assert_allclose(
+        turning, smoothed_curvature(points, 4001)[1:-1], rtol=2e-3, atol=1e-4
+    )
 
 
 def test_the_native_line_passes_the_loop_at_its_arc_positions(koc):

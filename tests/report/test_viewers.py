@@ -1,12 +1,21 @@
 """Scripts that show the candidates in PyMOL and ChimeraX."""
 
 import dataclasses
+import json
 import os
 import re
+import shutil
+import subprocess
+from pathlib import Path
 
+import numpy as np
 import pytest
 
+import loopelastica as le
 from loopelastica._files import data_path
+from loopelastica.molecule.setting import Settings
+from loopelastica.report.folder import write_fold
+from loopelastica.report.palette import colour
 from loopelastica.report.viewers import path_from, write_chimerax, write_pymol
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
@@ -21,10 +30,11 @@ def test_scripts_show_every_candidate_over_the_file(shipped, script, load):
     text = (folder / script).read_text()
     (source,) = re.findall(load, text, re.M)
     assert (folder / source).resolve() == HAIRPIN.resolve()
-    assert "traces.pdb" in text
-    names = {"view.pml": "color 0x{}, rank_{:04d}", "view.cxc": "color #1.{1} #{0}"}
-    for candidate, colour in zip(fold.candidates, ("1f77b4", "ff7f0e", "2ca02c"), strict=False):
-        assert names[script].format(colour, candidate.rank) in text
+    assert re.search(r"^(load|open) tubes\.pdb", text, re.M)
+    names = {"view.pml": "color 0x{}, rank_{:02d}_", "view.cxc": "color #1.{1} #{0}"}
+    for candidate in fold.candidates:
+        assert names[script].format(colour(candidate.rank)[1:], candidate.rank) in text
+        assert f"expected RMSD {candidate.expected_rmsd_A[1]:.1f} A" in text
     assert re.search(r"chain A and resi 6\+7\+8\+9|#2\.1/A:6,7,8,9", text)
 
 
@@ -123,3 +133,138 @@ def test_an_insertion_code_that_is_no_letter_says_nothing(tmp_path, fold):
     loop = dataclasses.replace(fold, hairpin=dataclasses.replace(fold.hairpin, icode=icode))
     write_pymol(tmp_path / "view.pml", loop, "native.pdb", "A")
     assert "resi 6+7B+8+9" in (tmp_path / "view.pml").read_text()
+
+
+def test_what_runs_into_the_stem_is_loaded_and_not_shown(tmp_path, fold):
+    write_pymol(tmp_path / "view.pml", fold, "native.pdb", "A")
+    write_chimerax(tmp_path / "view.cxc", fold, "native.pdb", "A", 1)
+    hidden = {c.rank for c in fold.candidates if c.contacts.touching and c.rank > 1}
+    assert hidden
+    text = (tmp_path / "view.pml").read_text()
+    assert {int(k) for k in re.findall(r"^disable rank_(\d+)", text, re.M)} == hidden
+    text = (tmp_path / "view.cxc").read_text()
+    assert {int(k) for k in re.findall(r"^hide #1\.(\d+) models", text, re.M)} == hidden
+
+
+def test_no_name_of_a_shape_is_a_command(tmp_path, fold):
+    odd = [
+        dataclasses.replace(c, shape=f"like {c.rank}; quit\nsystem touch X, \"'$[red]é")
+        for c in fold.candidates
+    ]
+    loop = dataclasses.replace(fold, candidates=tuple(odd))
+    write_pymol(tmp_path / "view.pml", loop, "native.pdb", "A")
+    write_chimerax(tmp_path / "view.cxc", loop, "native.pdb", "A", 1)
+    for script in ("view.pml", "view.cxc"):
+        text = (tmp_path / script).read_text(encoding="utf-8")
+        first, *rest = text.splitlines()
+        assert first.startswith("# ")
+        assert not re.search("[;$é']", "".join(rest))
+        assert not re.search("^(quit|system)", text, re.M)
+
+
+def test_a_hairpin_from_its_sequence_is_seen_with_its_atoms(tmp_path):
+    from loopelastica.report.atoms import LoopAtoms
+
+    built = le.build("GGCAC(UUCG)GUGCC", candidates=2)
+    hairpin = built.hairpin
+    atoms = LoopAtoms(hairpin.structure, hairpin.fold, built.models, hairpin.positions_A)
+    write_fold(tmp_path / "a", "GGCAC(UUCG)GUGCC", hairpin.fold, hairpin.structure, False, None,
+               atoms)  # fmt: skip
+    lines = (tmp_path / "a" / "view.pml").read_text().splitlines()
+    assert "load atoms.pdb, native" in lines
+    assert "load loop.sdf, atoms" in lines
+    # the loop of that file is the first candidate's and no other's
+    assert not any(line.startswith("show sticks, loop") for line in lines)
+    assert 'open "atoms.pdb"' in (tmp_path / "a" / "view.cxc").read_text()
+
+
+# what PyMOL is asked when the script is done
+_ASK = """
+import json
+from pymol import cmd
+tubes = [n for n in cmd.get_names("objects") if n.startswith("rank_")]
+answer = {
+    "objects": cmd.get_names("objects"),
+    "enabled": cmd.get_names("objects", 1),
+    "tubes": {n: cmd.get_coords(n + " and name TUB", 1).tolist() for n in tubes},
+    "bonds": {n: len(cmd.get_model(n + " and name TUB").bond) for n in tubes},
+    "loop": cmd.count_atoms("loop"),
+    "shown": cmd.count_atoms("rep cartoon or rep lines or rep sticks"),
+    "view": cmd.get_view(),
+}
+json.dump(answer, open("answer.json", "w"))
+"""
+
+
+@pytest.fixture(scope="module")
+def in_pymol():
+    """Run view.pml of a folder in PyMOL: its log, and what is there afterwards."""
+    program = shutil.which("pymol")
+    if program is None:
+        pytest.skip("PyMOL is not installed")
+
+    def run(folder):
+        (folder / "ask.py").write_text(_ASK)
+        # PyMOL is a Python program: it must find its own interpreter and packages
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+        environment["PATH"] = f"{Path(program).parent}:/usr/bin:/bin"
+        command = [program, "-cq", "view.pml", "ask.py"]
+        done = subprocess.run(
+            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300
+        )
+        return done.stdout + done.stderr, json.loads((folder / "answer.json").read_text())
+
+    return run
+
+
+def test_pymol_shows_tubes_that_join_the_stem(tmp_path, in_pymol, koc, chains):
+    folder = tmp_path / "a"
+    write_fold(folder, HAIRPIN, chains, koc, plot=False)
+    log, there = in_pymol(folder)
+    assert not re.search("error|warning|traceback|unknown|not found", log, re.I), log
+    assert len(there["tubes"]) == len(chains.candidates)
+    assert {"native", "names"} < set(there["objects"])
+    assert there["loop"] > 80
+    setting = Settings(koc).of(chains.hairpin)
+    for name, points in there["tubes"].items():
+        points = np.array(points)
+        np.testing.assert_allclose(points[0], setting.strand_5_A[-1], atol=0.01)
+        np.testing.assert_allclose(points[-1], setting.strand_3_A[0], atol=0.01)
+        # one line without gaps
+        assert there["bonds"][name] == len(points) - 1
+        assert np.linalg.norm(np.diff(points, axis=0), axis=1).max() < 2.0
+    # loop up: what is higher in the molecule is higher on the screen
+    rotation = np.array(there["view"][:9]).reshape(3, 3)
+    stem = setting.strand_5_A.mean(axis=0) + setting.strand_3_A.mean(axis=0)
+    upwards = (chains.candidates[0].trace.mean(axis=0) - 0.5 * stem) @ rotation
+    assert np.argmax(np.abs(upwards)) == 1
+    assert upwards[1] > 0
+
+
+@pytest.mark.slow
+def test_pymol_shows_of_a_ribosome_what_is_near(tmp_path, in_pymol, hairpin_folder):
+    from loopelastica.molecule.nucleotides import read_structure
+
+    path = hairpin_folder / "1s72.pdb.gz"
+    structure = read_structure(path)
+    (loop,) = le.fold(structure, loop="0.2781-2793", max_candidates=2)
+    write_fold(tmp_path / "a", path, loop, structure, plot=False)
+    log, there = in_pymol(tmp_path / "a")
+    assert not re.search("error|traceback", log, re.I), log
+    assert 500 < there["shown"] < 20_000
+
+
+def test_pymol_shows_a_loop_that_the_file_does_not_have(tmp_path, in_pymol, koc_lines):
+    from loopelastica.molecule.nucleotides import read_structure
+
+    path = tmp_path / "absent.pdb"
+    path.write_text(
+        "\n".join([*(s for s in koc_lines if s[22:26].strip() not in "6789"), "END", ""])
+    )
+    structure = read_structure(path)
+    (loop,) = le.fold(structure, loop="A.6-9", max_candidates=2)
+    write_fold(tmp_path / "a", path, loop, structure, plot=False)
+    log, there = in_pymol(tmp_path / "a")
+    assert not re.search("error|traceback", log, re.I), log
+    assert there["loop"] == 0
+    assert len(there["tubes"]) == 2

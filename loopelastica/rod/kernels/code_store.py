@@ -18,12 +18,14 @@ import contextlib
 import functools
 import hashlib
 import logging
+import multiprocessing
 import os
 import re
 import shutil
 import sys
 import sysconfig
 import tempfile
+import time
 import zlib
 from pathlib import Path
 
@@ -43,6 +45,8 @@ _KEPT = 8
 # the names of such sets, see `key`
 _SET = re.compile("[0-9a-f]{20}")
 _DIGEST = 32
+# seconds for which workers count on what another one has said
+_SAID_S = 600.0
 
 
 def read(path: Path) -> bytes | None:
@@ -156,6 +160,27 @@ def writable_folder() -> Path | None:
         cannot_keep(f"{folder}: {error.strerror}")
         return None
     return folder
+
+
+def said_by_sibling() -> bool:
+    """Whether another worker of the same parent has announced the same; otherwise this one has.
+
+    Workers that start with no compiled code all compile, and one sentence is enough.
+    """
+    parent, folder = multiprocessing.parent_process(), writable_folder()
+    if parent is None or folder is None:
+        return False
+    with contextlib.suppress(OSError):
+        for mark in folder.glob("said-*"):
+            if time.time() - mark.stat().st_mtime > _SAID_S:
+                mark.unlink()
+    try:
+        (folder / f"said-{parent.pid}").touch(exist_ok=False)
+    except FileExistsError:
+        return True
+    except OSError:
+        return False
+    return False
 
 
 def try_writing(folder: Path) -> None:

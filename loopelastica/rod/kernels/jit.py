@@ -34,7 +34,10 @@ _PATIENCE_S = 2.0
 
 
 class _Announcer(event.Listener):  # type: ignore[misc]
-    """Says once why it takes time, when compiling has taken `_PATIENCE_S` in this process."""
+    """Says once why it takes time, when compiling has taken `_PATIENCE_S` in this process.
+
+    A warning is seen without any logging being configured; of several workers one says it.
+    """
 
     def __init__(self) -> None:
         self._depth, self._began, self._spent, self._said = 0, 0.0, 0.0, False
@@ -55,10 +58,11 @@ class _Announcer(event.Listener):  # type: ignore[misc]
         if self._said or spent < _PATIENCE_S:
             return
         self._said = True
+        if store.said_by_sibling():
+            return
         kept = "is" if store.writable_folder() else "cannot be"
-        # a warning is seen without configuring any logging
         _LOG.warning(
-            "compiling the solver for this machine, up to a minute; the result %s kept for later"
+            "compiling the solver for this machine, about a minute; the result %s kept for later"
             " runs (`loopelastica warm` compiles beforehand)",
             kept,
         )

@@ -15,7 +15,15 @@ SEGMENTS = 64
 
 
 class Status(IntEnum):
-    """How a solve ended; only ``CONVERGED`` (0) is a solution."""
+    """How a solve ended; only ``CONVERGED`` (0) is a solution.
+
+    Examples
+    --------
+    >>> import loopelastica as le
+    >>> rod = le.solve(le.Clamping([0.0, 0.0, 0.5], [[1, 0, 0], [0, 1, 0], [0, 0, 1]]))
+    >>> rod.status == le.Status.CONVERGED, [status.name for status in le.Status][:2]
+    (True, ['CONVERGED', 'STALLED'])
+    """
 
     CONVERGED = 0
     STALLED = 1

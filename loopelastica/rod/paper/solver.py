@@ -62,7 +62,7 @@ class PaperSolver:
     torsion_ratio : float
         K30 = K3/K0.
     forward : str
-        The mapping q2: "printed" (closed form, or Bulirsch–Stoer where |t_P ± λ| < 1e-2),
+        The mapping q2: "printed" (closed form, or Bulirsch–Stoer where ``|t_P ± λ|`` < 1e-2),
         "analytic" or "numerical" (Bulirsch–Stoer).
     scan : str
         The error whose norm chooses the guess; "eps1" but for one test of section 4.4.

@@ -91,12 +91,14 @@ def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True)
     MissingDependencyError
         If mpmath, which computes the reference, is not installed.
     """
-    from tqdm import tqdm
+    from loopelastica._progress import progress_bar
 
     out = Path(out)
     sizes = {targets: both[full] for targets, both in _TARGETS.items()}
     inverse = {}
-    with tqdm(total=_RODS[full] + sum(sizes.values()), disable=not progress, unit="target") as bar:
+    with progress_bar(
+        total=_RODS[full] + sum(sizes.values()), shown=progress, unit="target"
+    ) as bar:
         bar.set_description("forward")
         forward = forward_ways.measure(_RODS[full], np.random.default_rng(seed), bar.update)
         for targets, sample in sizes.items():

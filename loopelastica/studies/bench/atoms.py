@@ -37,13 +37,13 @@ def run(folder: Path, out: Path, *, sample: int | None = None, progress: bool = 
     ValueError
         If `folder` holds no such file.
     """
-    from tqdm import tqdm
+    from loopelastica._progress import progress_bar
 
     files = structure_files(folder)
     if sample is not None and sample < len(files):
         files = [files[round(k * (len(files) - 1) / max(sample - 1, 1))] for k in range(sample)]
     rows: list[dict[str, Any]] = []
-    for file in tqdm(files, disable=not progress, unit="file", leave=False):
+    for file in progress_bar(files, shown=progress, unit="file", leave=False):
         rows += _file(file)
     if rows:
         write_csv(
@@ -51,7 +51,10 @@ def run(folder: Path, out: Path, *, sample: int | None = None, progress: bool = 
         )
     summary = _summary(rows)
     write_json(out / "atoms.json", summary)
-    return "\n".join(printable(f"{name}: {value}") for name, value in summary.items())
+    texts = (f"{v:.4g}" if isinstance(v, float) else str(v) for v in summary.values())
+    return "\n".join(
+        printable(f"{name}: {text}") for name, text in zip(summary, texts, strict=True)
+    )
 
 
 def _file(file: Path) -> list[dict[str, Any]]:

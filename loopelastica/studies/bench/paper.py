@@ -175,11 +175,11 @@ def _own_rows(
     cells: Sequence[Cell], whole: bool, sample: int, seed: int, progress: bool
 ) -> list[Row]:
     """The package's own solver on each set of rods, once."""
-    from tqdm import tqdm
+    from loopelastica._progress import progress_bar
 
     sets = {(cell.l, cell.delta, cell.halved): cell for cell in cells}
     rows = []
-    for cell in tqdm(sets.values(), disable=not progress, unit="set", desc="own solver"):
+    for cell in progress_bar(sets.values(), shown=progress, unit="set", desc="own solver"):
         rods = _shuffled(cell, seed)
         tested = len(rods) if whole else min(sample, len(rods))
         rows.append(ours.row(cell.l, cell.delta, rods, tested, min(2, os.cpu_count() or 1)))
@@ -277,12 +277,12 @@ def run(
         raise ValueError(f"`sample` is {sample}; it must be at least 1")
     if not set(figures) <= set(_FIGURES):
         raise ValueError(f"`figures` is {tuple(figures)}; only {_FIGURES} can be run")
-    from tqdm import tqdm
+    from loopelastica._progress import progress_bar
 
     out = Path(out)
     rows = []
     cells = cells_of(figures)
-    bar = tqdm(total=len(cells), disable=not progress, unit="cell")
+    bar = progress_bar(total=len(cells), shown=progress, unit="cell")
     with bar:
         for cell in cells:
             solver = _solver(cell)

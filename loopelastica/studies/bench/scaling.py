@@ -168,7 +168,7 @@ def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True)
     list of dict
         The lines of ``slopes.csv``.
     """
-    from tqdm import tqdm
+    from loopelastica._progress import progress_bar
 
     out = Path(out)
     counts = [10**k for k in range(round(math.log10(_MOST[full])) + 1)]
@@ -177,7 +177,7 @@ def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True)
     clampings = [Clamping(p, r) for p, r in zip(*drawn, strict=True)]
     rods, lengths, found = [], [], []
     total = len(streams) + len(_LENGTHS) + len(clampings)
-    with tqdm(total=total, disable=not progress, unit="row") as bar:
+    with progress_bar(total=total, shown=progress, unit="row") as bar:
         for n, threads in streams:
             bar.set_description(f"{n:,d} rods, {named(threads)}")
             rods.append(_alone(n, threads, seed))

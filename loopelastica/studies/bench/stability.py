@@ -168,13 +168,13 @@ def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True)
     list of dict
         The lines of ``stability.csv``.
     """
-    from tqdm import tqdm
+    from loopelastica._progress import progress_bar
 
     out = Path(out)
     rows: list[Row] = []
     failures: list[Row] = []
     points: list[list[float]] = []
-    bar = tqdm(all_cases(), disable=not progress, unit="case")
+    bar = progress_bar(all_cases(), shown=progress, unit="case")
     for number, case in enumerate(bar):
         bar.set_description(f"{case.name}, K30 = {case.torsion_ratio:g}")
         label = [case.name, case.torsion_ratio, case.lowest, _size(case, full), full, seed]

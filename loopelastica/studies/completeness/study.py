@@ -101,7 +101,7 @@ def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True)
     list of dict
         The lines of ``poses.csv``.
     """
-    from tqdm import tqdm
+    from loopelastica._progress import progress_bar
 
     out = Path(out)
     rows: list[Row] = []
@@ -109,7 +109,7 @@ def run(out: Path, full: bool = False, seed: int = _SEED, progress: bool = True)
     first, ratio, _ = pose(seed, 0)
     # compiled, and the guess library loaded, before the clock starts
     equilibria(first, ratio, rounds=1)
-    for number in tqdm(range(_POSES[full]), disable=not progress, unit="pose"):
+    for number in progress_bar(range(_POSES[full]), shown=progress, unit="pose"):
         clamping, torsion_ratio, kind = pose(seed, number)
         rods = _hit(out, seed, number)
         label = {"pose": number, "kind": kind, "torsion_ratio": torsion_ratio}

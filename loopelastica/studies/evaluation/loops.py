@@ -9,7 +9,8 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.batch.journal import Record
-from loopelastica.batch.run import Task, Work
+from loopelastica.batch.run import Work
+from loopelastica.batch.tasks import Task
 from loopelastica.errors import StructureError
 from loopelastica.folding.clamping import clamping_of
 from loopelastica.folding.fold import fold_model

@@ -9,7 +9,8 @@ import numpy as np
 
 from loopelastica._files import data_path, write_csv, write_text
 from loopelastica._names import printable
-from loopelastica.batch.run import Run, distinct, run, tasks_of
+from loopelastica.batch.run import Run, run
+from loopelastica.batch.tasks import distinct, tasks_of
 from loopelastica.folding.options import FoldOptions
 from loopelastica.molecule.folders import structure_files
 from loopelastica.molecule.nucleotides import Limits

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 import numpy as np
-from tqdm import tqdm
 
 from loopelastica._arrays import Array, Record
+from loopelastica._progress import progress_bar
 from loopelastica.atoms.geometry import RING_OF_SUGAR
 from loopelastica.atoms.measures import chi_torsion, pseudorotation, torsion_deg
 from loopelastica.errors import LoopelasticaError
@@ -140,7 +140,7 @@ def read_corpus(folder: Path, progress: bool = False) -> Corpus:
     """
     table = _table(folder)
     loops, left_out, failures, seen = [], [], [], set()
-    for path in tqdm(structure_files(folder), unit="file", disable=not progress):
+    for path in progress_bar(structure_files(folder), unit="file", shown=progress):
         rows = table.get(path.name, []) if table else [{}]
         try:
             structure = read_structure(path)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tqdm import tqdm
-
 from loopelastica._files import write_csv, write_json, write_text
 from loopelastica._names import printable
+from loopelastica._progress import progress_bar
 from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.library import Library
 from loopelastica.folding.library_file import save_library
@@ -91,8 +90,8 @@ def answered(
     return [
         row
         for level in LEVELS
-        for row in tqdm(
-            rows_of(loops, library, level), desc=level, unit="answer", disable=not progress
+        for row in progress_bar(
+            rows_of(loops, library, level), desc=level, unit="answer", shown=progress
         )
     ]
 

@@ -67,12 +67,12 @@ def run(folder: Path, out: Path, *, full: bool = False, progress: bool = False) 
     MissingDependencyError
         If OpenMM is not installed.
     """
-    from tqdm import tqdm
+    from loopelastica._progress import progress_bar
 
     modules()
     make_folder(out / "models")
     cases = _cases(folder, out / "models", full)
-    rows = [row for case in tqdm(cases, disable=not progress, leave=False) for row in _rows(case)]
+    rows = [row for case in progress_bar(cases, shown=progress, leave=False) for row in _rows(case)]
     write_csv(out / "simulation.csv", rows, list(dict.fromkeys(k for row in rows for k in row)))
     groups = _groups(rows)
     refused = [_refusal(row) for row in rows if row.get("refused")]

@@ -73,14 +73,14 @@ def run(
     ValueError
         If a folder holds no such file.
     """
-    from tqdm import tqdm
+    from loopelastica._progress import progress_bar
 
     found = distinct(
         [cut for folder in folders for f in structure_files(folder) for cut in cuts(f)]
     )
     chosen = _sampled(found, sample)
     rows: list[dict[str, Any]] = []
-    with tqdm(total=sum(map(len, chosen.values())), disable=not progress, unit="strand") as bar:
+    with progress_bar(total=sum(map(len, chosen.values())), shown=progress, unit="strand") as bar:
         for file, own in chosen.items():
             for row in _file(file, own, pdbfixer):
                 rows.append(row)

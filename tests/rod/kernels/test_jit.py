@@ -181,6 +181,27 @@ def test_whoever_waits_is_told_why_once_without_configuring_anything(package, tm
 
 
 @pytest.mark.slow
+def test_of_several_workers_one_says_it(package, tmp_path):
+    workers = (
+        "import multiprocessing\n"
+        "from loopelastica.rod.kernels import jit\n"
+        "jit._PATIENCE_S = 0.0\n"
+        f"HINGE = {HINGE!r}\n"
+        "def work(_):\n"
+        "    barrier.wait()\n"
+        "    exec(HINGE, {})\n"
+        "context = multiprocessing.get_context('fork')\n"
+        "barrier = context.Barrier(2)\n"
+        "workers = [context.Process(target=work, args=(k,)) for k in range(2)]\n"
+        "for worker in workers: worker.start()\n"
+        "for worker in workers: worker.join()\n"
+    )
+    stdout, stderr = run(workers, tmp_path, package)
+    assert len(stdout.splitlines()) == 2
+    assert stderr.count("compiling the solver") == 1
+
+
+@pytest.mark.slow
 def test_an_unknown_numba_has_its_own_cache(package, tmp_path):
     unknown = "import numba\nnumba.__version__ = '99.0.0'\n" + HINGE
     stdout, _ = run(unknown, tmp_path, package)

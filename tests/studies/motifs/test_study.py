@@ -63,7 +63,7 @@ def test_a_study_writes_tables_a_library_and_a_report(done):
 def test_the_screen_has_the_tables_and_says_what_could_not_be_read(done):
     out, result = done
     assert result.exit_code == 1
-    assert "## RNA, 3 to 9 nucleotides" in result.stdout
+    assert "RNA, 3 to 9 nucleotides" in result.stdout
     assert f"written to {out}" in result.stdout.replace("\n", "")
     assert "broken.pdb: " in result.stderr
     assert "could not be read" not in result.stdout
