@@ -45,6 +45,8 @@ _PUBLIC = {
     "fill": "filling.fill",
     "Filling": "filling.result",
     "FilledStrand": "filling.result",
+    "nanostructure": "nanostructure.nanostructure",
+    "Nanostructure": "nanostructure.nanostructure",
     "restraints": "simulation",
     "to_dataframe": "report.dataframe",
     "LoopelasticaError": "errors",
@@ -77,6 +79,8 @@ if TYPE_CHECKING:
     from loopelastica.molecule.hairpins import Hairpin as Hairpin
     from loopelastica.molecule.hairpins import Hairpins as Hairpins
     from loopelastica.molecule.hairpins import find_hairpins as find_hairpins
+    from loopelastica.nanostructure.nanostructure import Nanostructure as Nanostructure
+    from loopelastica.nanostructure.nanostructure import nanostructure as nanostructure
     from loopelastica.report.dataframe import to_dataframe as to_dataframe
     from loopelastica.rod.barriers import Barrier as Barrier
     from loopelastica.rod.barriers import Barriers as Barriers
