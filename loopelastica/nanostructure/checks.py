@@ -79,14 +79,18 @@ class StartCheck(Record):
     def notes(self) -> Iterator[str]:
         """A sentence for each kind of fault: how many there are, and which is the first."""
         label, system = self.system.label, self.system
-        for faults, said in (
-            (self.broken, "bonds are outside of oxDNA's window"),
-            (self.close, f"pairs of nucleotides are nearer to each other than {NEAREST:g}"),
+        for faults, said, so in (
+            (
+                self.broken,
+                "bonds are outside of oxDNA's window",
+                "; it does not start from that before it is relaxed",
+            ),
+            (self.close, f"pairs of nucleotides are nearer to each other than {NEAREST:g}", ""),
         ):
             if len(faults):
                 i, j = faults[0]
                 strand = system.strand_name[system.strand[j]]
-                yield f"{len(faults)} {said}, first from {label[i]} to {label[j]} of {strand}"
+                yield f"{len(faults)} {said}, first from {label[i]} to {label[j]} of {strand}{so}"
         if len(self.skewed):
             yield (
                 f"axes of {len(self.skewed)} nucleotides are not perpendicular unit vectors, first"

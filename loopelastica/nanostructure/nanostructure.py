@@ -152,20 +152,26 @@ class Nanostructure(Record):
     @property
     def notes(self) -> Iterator[str]:
         """One sentence for each thing that a user should be aware of; of many alike, the first."""
-        alike: dict[str, list[str]] = {}
+        alike: dict[str, list[LaidStrand]] = {}
         for strand in self.strands:
             if strand.remark:
                 # what differs between strands of one kind comes behind the colon
-                of_kind = alike.setdefault(strand.remark.partition(":")[0], [])
-                of_kind.append(f"{strand.label}: {strand.remark}")
+                alike.setdefault(strand.remark.partition(":")[0], []).append(strand)
         clashes = {
             frozenset((one.first, one.second)): one.sentence
             for strand in self.strands
             for one in strand.conflicts
         }
-        yield from _first(list(clashes.values()), "conflicts")
-        for kind, sentences in alike.items():
-            yield from _first(sentences, f"single strands: {kind}")
+        if clashes:
+            first, *more = clashes.values()
+            yield f"{len(more) + 1} conflicts; the first: {first}" if more else first
+        for kind, strands in alike.items():
+            name, remark = strands[0].label, strands[0].remark
+            if len(strands) == 1:
+                yield f"{name}: {remark}"
+            else:
+                rest = remark.removeprefix(kind).removeprefix(": ")
+                yield f"{len(strands)} single strands, {kind}; the first, {name}: {rest}"
         yield from dict.fromkeys((*self.remarks, *self.check().notes()))
         if not self.strands:
             yield "no single strand; every nucleotide has a partner"
@@ -273,11 +279,3 @@ def _cell(value: Any) -> str:
 
 def _in_nm(length: float | None) -> float | None:
     return None if length is None else round(float(length) * UNIT_NM, 4)
-
-
-def _first(sentences: list[str], kind: str) -> Iterator[str]:
-    """The only sentence, or how many there are and the first of them."""
-    if len(sentences) == 1:
-        yield sentences[0]
-    elif sentences:
-        yield f"{len(sentences)} {kind}; the first: {sentences[0]}"
