@@ -71,7 +71,7 @@ def origami(
     quiet: _Quiet = False,
     as_json: _AsJson = False,
 ) -> None:
-    """Lay the single strands of DNA nanostructures between their helices.
+    """Lay the single strands of DNA nanostructures.
 
     Each design gets <stem>.top and <stem>.dat for oxDNA, <stem>.json, a coarse trace as mmCIF and
     PDB, and scripts for viewers; what is paired stays where it is. A design with a strand that
