@@ -81,7 +81,7 @@ def nanostructure(path: Any, options: NanostructureOptions) -> Nanostructure:
     ...     file = Path(folder) / "hairpin.sc"
     ...     _ = file.write_text(json.dumps(content))
     ...     found = nanostructure(file)
-    >>> len(found.system), [f"{strand.single.kind}: {strand.status}" for strand in found.strands]
+    >>> len(found.system), [f"{strand.kind}: {strand.status}" for strand in found.strands]
     (29, ['hairpin: laid'])
     """
     # here, since it brings the compiled solver
@@ -130,6 +130,25 @@ class Nanostructure(Record):
         What scadnano says beside the system: helices, offsets, axes.
     files : OxdnaFiles or None
         The pair of oxDNA files.
+
+    Examples
+    --------
+    Two helices that are too far apart for their linker.
+
+    >>> import json, tempfile
+    >>> from pathlib import Path
+    >>> def domain(helix, forward):
+    ...     return {"helix": helix, "start": 0, "end": 12, "forward": forward}
+    >>> linked = [domain(0, True), {"loopout": 2}, domain(2, False)]
+    >>> parts = [linked, [domain(0, False)], [domain(2, True)]]
+    >>> strands = [{"domains": domains} for domains in parts]
+    >>> content = {"grid": "square", "helices": [{}, {}, {}], "strands": strands}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "far.sc"
+    ...     _ = file.write_text(json.dumps(content))
+    ...     found = nanostructure(file)
+    >>> found.refused[0].reason.rpartition("; ")[2]
+    '9 nucleotides would suffice'
     """
 
     name: str
@@ -177,11 +196,23 @@ class Nanostructure(Record):
             yield "no single strand; every nucleotide has a partner"
 
     def check(self) -> StartCheck:
-        """Whether a simulation can start from it: bonds, distances and axes."""
+        """Whether a simulation can start from it.
+
+        Returns
+        -------
+        StartCheck
+            Bonds out of the window of the model, centres too near each other, axes that are none.
+        """
         return check_start(self.system)
 
     def records(self) -> Iterator[dict[str, Any]]:
-        """A row per single strand, for :func:`loopelastica.to_dataframe`; lengths in nm."""
+        """A row per single strand, for :func:`loopelastica.to_dataframe`.
+
+        Yields
+        ------
+        dict
+            ``file``, then by `STRAND_COLUMNS`; lengths in nm.
+        """
         for strand in self.strands:
             yield {"file": self.name, **self.row(strand)}
 
