@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -75,6 +76,27 @@ class StartCheck(Record):
             ),
         ]
 
+    def notes(self) -> Iterator[str]:
+        """A sentence for each kind of fault: how many there are, and which is the first."""
+        label, system = self.system.label, self.system
+        for faults, said, so in (
+            (
+                self.broken,
+                "bonds are outside of oxDNA's window",
+                "; it does not start from that before it is relaxed",
+            ),
+            (self.close, f"pairs of nucleotides are nearer to each other than {NEAREST:g}", ""),
+        ):
+            if len(faults):
+                i, j = faults[0]
+                strand = system.strand_name[system.strand[j]]
+                yield f"{len(faults)} {said}, first from {label[i]} to {label[j]} of {strand}{so}"
+        if len(self.skewed):
+            yield (
+                f"axes of {len(self.skewed)} nucleotides are not perpendicular unit vectors, first"
+                f" of {label[self.skewed[0]]}"
+            )
+
 
 def check_start(system: System) -> StartCheck:
     """Look for what keeps a simulation from starting.
@@ -109,3 +131,25 @@ def check_start(system: System) -> StartCheck:
         apart,
         np.flatnonzero(system.placed & ~straight),
     )
+
+
+def closest_centres(system: System, most: float = 1.5) -> float | None:
+    """Least distance of two centres that are no neighbours in a strand.
+
+    Parameters
+    ----------
+    system : System
+        The nucleotides; those without a place are left out.
+    most : float, optional
+        Beyond this nothing is looked for; oxDNA's units.
+
+    Returns
+    -------
+    float or None
+        oxDNA's units; None where all are further apart.
+    """
+    i, j = close_sites(system, system.centre, most)
+    if not len(i):
+        return None
+    apart = separation(system, system.centre[i], system.centre[j])
+    return float(np.linalg.norm(apart, axis=-1).min())

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -18,7 +19,7 @@ from loopelastica._arrays import Array, Record
 from loopelastica._checks import file_name, one_of
 from loopelastica._files import TakenError, write_text
 from loopelastica.errors import StructureError
-from loopelastica.molecule._source import Limits, name_of, pieces
+from loopelastica.molecule._source import Limits, kind_of, name_of, pieces
 from loopelastica.nanostructure.configuration import (
     frame_header,
     nucleotide_lines,
@@ -167,7 +168,7 @@ def find_files(
     given = [Path(file_name("path", path))]
     if other is not None:
         given.append(Path(file_name("other", other)))
-    topologies = [p for p in given if p.suffix.lower() == TOPOLOGY]
+    topologies = [p for p in given if kind_of(p) == TOPOLOGY]
     rest = [p for p in given if p not in topologies]
     if len(given) == 2 and len(topologies) != 1:
         kind = "topologies" if topologies else "configurations"
@@ -179,7 +180,7 @@ def find_files(
         return topologies[0], rest[0]
     (one,) = given
     suffixes = CONFIGURATIONS if topologies else (TOPOLOGY,)
-    beside = [one.with_suffix(suffix) for suffix in suffixes]
+    beside = [uncompressed(one).with_suffix(suffix) for suffix in suffixes]
     found = next((p for p in beside if p.exists()), None)
     if found is None:
         raise StructureError(
@@ -187,6 +188,11 @@ def find_files(
             f" {'configuration' if topologies else 'topology'} too"
         )
     return (one, found) if topologies else (found, one)
+
+
+def uncompressed(path: Path) -> Path:
+    """A path without the suffix of a compression."""
+    return path.with_suffix("") if kind_of(path) != path.suffix.lower() else path
 
 
 def _text(path: Path) -> str:
@@ -244,6 +250,33 @@ def write_oxdna(
         Nucleotides that all have a place.
     topology, configuration : Path
         Where to.
+    form, files
+        As for :func:`oxdna_texts`.
+
+    Raises
+    ------
+    ValueError, StructureError
+        As :func:`oxdna_texts` does.
+    OutputError
+        If a file cannot be written, or is one of `files`.
+    """
+    texts = oxdna_texts(system, form, files)
+    if files is not None:
+        for path in (topology, configuration):
+            refuse_input(path, (files.topology, files.configuration))
+    for path, text in zip((topology, configuration), texts, strict=True):
+        write_text(path, text)
+
+
+def oxdna_texts(
+    system: System, form: Form = "old", files: OxdnaFiles | None = None
+) -> tuple[str, str]:
+    """The content of a topology and of a configuration.
+
+    Parameters
+    ----------
+    system : System
+        Nucleotides that all have a place.
     form : {"old", "new"}, optional
         Of the topology. The new one lists each strand from 5' to 3', and so does the configuration
         then; the old one leaves the order of nucleotides as it is.
@@ -251,29 +284,33 @@ def write_oxdna(
         Where the system is from. A nucleotide at the same place keeps its line to the byte, one
         that has moved its velocities; a topology of the same form is copied.
 
+    Returns
+    -------
+    topology, configuration : str
+
     Raises
     ------
     ValueError
         If a nucleotide has no place, or no finite one.
     StructureError
         If the form cannot say what the system is.
-    OutputError
-        If a file cannot be written, or is one of `files`.
     """
     one_of("old", "new")("form", form)
     lost = ~(system.placed & np.isfinite(_rows(system)).all(axis=1))
     if lost.any():
         label = system.label[int(np.argmax(lost))]
         raise ValueError(f"`system`: {label} has no place, so no configuration can be written")
-    if files is not None:
-        for path in (topology, configuration):
-            _refuse_input(path, files)
     same_form = files is not None and files.form == form
     text = files.topology_text if files and same_form else topology_text(system, form)
-    order = np.arange(len(system)) if same_form else written_order(system, form)
+    order = line_order(system, form, files)
     header, lines = _frame(system, files)
-    write_text(topology, text)
-    write_text(configuration, "\n".join([*header, *(lines[i] for i in order.tolist()), ""]))
+    return text, "\n".join([*header, *(lines[i] for i in order.tolist()), ""])
+
+
+def line_order(system: System, form: Form, files: OxdnaFiles | None = None) -> NDArray[np.int64]:
+    """Nucleotides (n,) in the order of the lines that :func:`oxdna_texts` makes of them."""
+    same_form = files is not None and files.form == form
+    return np.arange(len(system)) if same_form else written_order(system, form)
 
 
 def _frame(system: System, files: OxdnaFiles | None) -> tuple[list[str], list[str]]:
@@ -309,8 +346,9 @@ def box_of(system: System) -> Array:
     return np.full(3, np.ceil(extent + 2 * _MARGIN))
 
 
-def _refuse_input(path: Path, files: OxdnaFiles) -> None:
-    for source in (files.topology, files.configuration):
-        if path.exists() and path.samefile(source):
+def refuse_input(path: Path, inputs: Iterable[Path]) -> None:
+    """TakenError where a path is one of the files that were read."""
+    for source in inputs:
+        if path.exists() and source.exists() and path.samefile(source):
             sentence = "this is the input, which is not written over"
             raise TakenError(errno.EEXIST, sentence, str(path))

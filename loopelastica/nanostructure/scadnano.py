@@ -91,7 +91,8 @@ def read_design(path: str | PathLike[str], seed: int = 0) -> Design:
         helix=drawn.helix,
         offset=drawn.offset,
         drawn=drawn.drawn,
-        notes=(*file.notes, *filled, *_care(system)),
+        # what is drawn so that a simulation cannot begin with it as it is
+        notes=(*file.notes, *filled, *check_start(system).notes()),
     )
 
 
@@ -143,18 +144,3 @@ def _axes(helices: Helices, row: Ints, steps: Array) -> Iterator[HelixAxis]:
     for place, own in enumerate(rows):
         points = (helices.direction[own], begin[place], end[place])
         yield HelixAxis(int(helices.index[own]), *map(np.copy, points))
-
-
-def _care(system: System) -> Iterator[str]:
-    """What is drawn so that a simulation cannot begin with it as it is."""
-    found = check_start(system)
-    for faults, said in (
-        (found.broken, "bonds are outside of oxDNA's window"),
-        (found.close, "pairs of nucleotides are drawn in one place"),
-    ):
-        if len(faults):
-            i, j = faults[0]
-            yield (
-                f"{len(faults)} {said}, first from {system.label[i]} to {system.label[j]} of"
-                f" {system.strand_name[system.strand[j]]}"
-            )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import strands
 
-from loopelastica.nanostructure.checks import check_start
+from loopelastica.nanostructure.checks import check_start, closest_centres
 
 
 @pytest.mark.parametrize(
@@ -69,3 +69,24 @@ def test_nucleotides_without_a_place_are_left_out():
     centre = np.full((8, 3), np.nan)
     lost = replace(system, placed=np.zeros(8, dtype=bool), centre=centre, a1=centre, a3=centre)
     assert check_start(lost).sound
+
+
+def test_faults_of_one_kind_are_one_note_with_their_number():
+    system = strands.helix("GCATTGCAGC")
+    assert list(check_start(system).notes()) == []
+    centre, a1 = system.centre.copy(), system.a1.copy()
+    centre[:, 2] *= 3
+    a1[7:9] *= 0.9
+    bonds, axes = check_start(replace(system, centre=centre, a1=a1)).notes()
+    assert bonds.startswith("18 bonds are outside of oxDNA's window, first from nucleotide 0 to")
+    assert axes.startswith("axes of 2 nucleotides")
+    assert axes.endswith("first of nucleotide 7")
+
+
+def test_the_closest_centres_are_those_of_no_neighbours():
+    system = strands.helix("GCATTGCAGC")
+    i, j = np.triu_indices(20, 1)
+    apart = np.linalg.norm(system.centre[i] - system.centre[j], axis=1)
+    expected = apart[system.n3[i] != j].min()
+    assert closest_centres(system) == pytest.approx(expected)
+    assert closest_centres(system, most=0.5) is None

@@ -57,6 +57,18 @@ def test_configurations_of_other_suffixes_are_found(hairpin):
         hairpin.with_suffix(suffix).rename(hairpin.with_suffix(".dat"))
 
 
+def test_compressed_files_find_each_other(hairpin):
+    import gzip
+
+    for path in (hairpin, hairpin.with_suffix(".dat")):
+        path.with_name(f"{path.name}.gz").write_bytes(gzip.compress(path.read_bytes()))
+    dat = hairpin.with_suffix(".dat")
+    packed = hairpin.with_name("pin.top.gz")
+    assert find_files(packed) == (packed, dat)
+    assert find_files(packed, dat.with_name("pin.dat.gz")) == (packed, dat.with_name("pin.dat.gz"))
+    assert len(read_oxdna(packed).system) == 18
+
+
 def test_nothing_changed_is_written_to_the_byte(hairpin, tmp_path):
     files = read_oxdna(hairpin)
     write_oxdna(files.system, tmp_path / "out.top", tmp_path / "out.dat", files=files)

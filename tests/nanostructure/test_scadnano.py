@@ -294,7 +294,7 @@ def test_helices_in_one_place_are_named(read):
         design.draw_strand(i, 0).move(20)
         design.draw_strand(i, 20).move(-20)
     notes = read(design).notes
-    said = "40 pairs of nucleotides are drawn in one place, first from helix 0, offset"
+    said = "40 pairs of nucleotides are nearer to each other than 0.4, first from helix 0, offset"
     assert any(said in note for note in notes)
 
 
