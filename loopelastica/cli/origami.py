@@ -10,7 +10,8 @@ from loopelastica.cli.program import in_options
 from loopelastica.cli.screen import Screen
 
 if TYPE_CHECKING:
-    from loopelastica.batch.run import Run, Task
+    from loopelastica.batch.run import Run
+    from loopelastica.batch.tasks import Task
 
 _Designs = Annotated[
     list[str],
@@ -55,8 +56,6 @@ _PersistenceLength = Annotated[
     float | None,
     typer.Option("--persistence-length", help="Of single strands, nm.", show_default=False),
 ]
-_Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but what has failed.")]
-_AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document, not tables.")]
 
 
 def origami(
@@ -68,8 +67,8 @@ def origami(
     seed: _Seed = 0,
     pairs: _Pairs = "energy",
     persistence_length_nm: _PersistenceLength = None,
-    quiet: _Quiet = False,
-    as_json: _AsJson = False,
+    quiet: o.Quiet = False,
+    as_json: o.AsJson = False,
 ) -> None:
     """Lay the single strands of DNA nanostructures.
 
@@ -116,10 +115,7 @@ def _end(screen: Screen, tasks: "list[Task]", out: Path, done: "Run", notes: lis
             f" for viewers, and summary.csv, a row per single strand.",
         )
     screen.note([*notes, *done.notes], "in the designs' JSON files", [task.file for task in tasks])
-    failed = [
-        {"file": _file_of(sentence, tasks), "failure": sentence} for sentence in done.failures
-    ]
-    screen.end(results, failed, f"in {out / 'failures.csv'}", folder=str(out))
+    screen.end(results, done.failed, f"in {out / 'failures.csv'}", folder=str(out))
 
 
 def _results(tasks: "list[Task]", out: Path) -> Any:
@@ -132,8 +128,3 @@ def _results(tasks: "list[Task]", out: Path) -> Any:
         if content:
             kept = {k: v for k, v in content.items() if k not in ("program", "version", "input")}
             yield {"file": task.file, "output": stem, **kept}
-
-
-def _file_of(sentence: str, tasks: "list[Task]") -> str | None:
-    """The design that a sentence is about, as it was given."""
-    return next((task.file for task in tasks if sentence.startswith(f"{task.file}: ")), None)

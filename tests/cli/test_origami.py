@@ -11,7 +11,6 @@ from typer.testing import CliRunner
 from loopelastica.cli.app import app
 from loopelastica.nanostructure.oxdna import read_oxdna
 
-pytest.importorskip("loopelastica.nanostructure.lay")
 sc = designs.sc
 
 
@@ -263,7 +262,6 @@ def test_quiet_says_only_what_has_failed(hairpin, far, out):
 
 
 def test_json_is_one_document_and_nothing_else(hairpin, far, out):
-    pytest.importorskip("loopelastica.report.documents")
     result = run(hairpin, far, "--json", "-o", out)
     assert result.exit_code == 1
     content = json.loads(result.stdout)

@@ -17,8 +17,6 @@ from loopelastica.nanostructure.nanostructure import STRAND_COLUMNS, nanostructu
 from loopelastica.nanostructure.oxdna import read_oxdna
 from loopelastica.nanostructure.scadnano import read_design
 
-pytest.importorskip("loopelastica.nanostructure.lay")
-
 
 @pytest.fixture
 def hairpin(tmp_path):

@@ -18,7 +18,6 @@ from loopelastica.report.coarse_trace import (
     trace,
 )
 
-pytest.importorskip("loopelastica.nanostructure.lay")
 sc = designs.sc
 
 

@@ -8,8 +8,6 @@ import pytest
 from loopelastica._files import TakenError
 from loopelastica.report.nanostructure import is_there, write_folder
 
-pytest.importorskip("loopelastica.nanostructure.lay")
-
 
 @pytest.fixture
 def found(tmp_path):
