@@ -22,8 +22,8 @@ Index = NDArray[np.int64]
 _CELL: Final = 2.0
 OVERLAP: Final = 0.05
 """Excluded volume of two nucleotides from which on a strand gives way; half of kT at 300 K."""
-CONFLICT: Final = 1.0
-"""The same from which on what is left is named: ten times kT."""
+CONFLICT: Final = 0.5
+"""The same from which on another way is tried, and what is left is named: five times kT."""
 
 
 class Overlaps(NamedTuple):
@@ -67,7 +67,7 @@ def overlaps(system: System, laid: NDArray[np.bool_]) -> Overlaps:
     some = (laid[first] | laid[second]) & (energy > 0)
     low, high = np.minimum(first, second)[some], np.maximum(first, second)[some]
     pairs, which = np.unique(np.stack([low, high], axis=1), axis=0, return_inverse=True)
-    total = np.bincount(which.reshape(-1), energy[some], len(pairs))
+    total = np.bincount(which.reshape(-1), energy[some], len(pairs)).astype(np.float64)
     return Overlaps(rows[pairs[:, 0]], rows[pairs[:, 1]], total)
 
 
@@ -184,7 +184,7 @@ def nearest_others(system: System, laid: NDArray[np.bool_]) -> Array:
     rows, placed = np.flatnonzero(laid & system.placed), np.flatnonzero(system.placed)
     if not len(rows):
         return found
-    box = system.box if (system.box > 0).any() else None
+    box = system.box if (system.box > 0).all() else None
     points = system.centre
     if box is not None:
         points = points % box

@@ -43,7 +43,8 @@ def bow(chains: Chains, lines: list[NDArray[np.int64]], attempt: int) -> None:
         ends = [rows[0] if before < 0 else before, rows[-1] if after < 0 else after]
         chord = chains.sites[ends[1]] - chains.sites[ends[0]]
         axis = (chord / max(float(np.linalg.norm(chord)), 1e-9))[None]
-        side = across(np.array([[0.31, 0.87, 0.38]]), axis)[0]
+        clamp = chains.tangent[ends[0]] + chains.tangent[ends[1]]
+        side = across(clamp[None], axis)[0]
         other = np.cross(axis[0], side)
         s = np.arange(1, len(rows) + 1) / (len(rows) + 1)
         angle = 2 * np.pi * np.arange(_WAYS) / _WAYS
@@ -64,4 +65,3 @@ def bow(chains: Chains, lines: list[NDArray[np.int64]], attempt: int) -> None:
         cost = crowded + (len(rows) + 1) * np.maximum(bond - _LONG, 0.0) ** 2
         best = np.argsort(cost, kind="stable")[min(attempt, len(cost) - 1)]
         chains.sites[rows] = tried[best]
-

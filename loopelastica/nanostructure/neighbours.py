@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.nanostructure.bases import MIDDLE, REACH
@@ -29,7 +30,7 @@ _REACHES: Final = (
 # of repulsion, oxDNA's units of energy per squared length
 _STIFFNESS: Final = 60.0
 # how much further than the distances above neighbours are listed
-_SKIN: Final = 0.3
+_SKIN: Final = 0.4
 
 
 class Neighbours:
@@ -45,7 +46,7 @@ class Neighbours:
 
     def __init__(self, chains: Chains, rows: Index) -> None:
         self.chains, self.rows = chains, rows
-        self.box = chains.box if (chains.box > 0).any() else None
+        self.box = chains.box if (chains.box > 0).all() else None
         still = chains.placed.copy()
         still[rows] = False
         low, high = chains.sites[rows].min(axis=0), chains.sites[rows].max(axis=0)
@@ -59,12 +60,12 @@ class Neighbours:
             chains.sites[self.others] + share * chains.direction[self.others] for share in _SHARES
         ]
         self.trees = [self._tree(points) for points in self.still]
-        self.listed: Array | None = None
+        self.listed = np.full((len(_SHARES), len(rows), 3), np.inf)
 
     def push(self, force: Array) -> None:
         """Add forces on backbone sites and on directions, (2, n, 3)."""
         now = self._moving()
-        if self.listed is None or self._moved(now) > _SKIN / 2:
+        if self._moved(now) > _SKIN / 2:
             self._list(now)
         n = len(self.rows)
         points = np.concatenate([*now, self.fixed])
@@ -95,15 +96,16 @@ class Neighbours:
 
     def _list(self, now: Array) -> None:
         """Note which sites are near each other."""
-        n, n3, n5 = len(self.rows), self.chains.n3, self.chains.n5
+        n = len(self.rows)
         self.listed = now
         trees = [self._tree(points) for points in now]
         first, second, reach, fixed = [], [], [], [np.zeros((0, 3))]
         used = 3 * n
         for a, b, distance, bonded in _REACHES:
             i, j = self._pairs(trees[a], self.trees[b], distance)
-            keep = bonded | ((n3[self.rows[i]] != self.others[j]) & (n5[self.rows[i]] != self.others[j]))
-            i, j = i[keep], j[keep]
+            if not bonded:
+                apart = self._apart(i, self.others[j])
+                i, j = i[apart], j[apart]
             met, place = np.unique(j, return_inverse=True)
             fixed.append(self.still[b][met])
             first.append(a * n + i)
@@ -115,19 +117,26 @@ class Neighbours:
                 continue
             i, j = self._pairs(trees[a], trees[b], distance)
             keep = i < j if a == b else i != j
-            keep &= bonded | ((n3[self.rows[i]] != self.rows[j]) & (n5[self.rows[i]] != self.rows[j]))
+            if not bonded:
+                keep &= self._apart(i, self.rows[j])
             first.append(a * n + i[keep])
             second.append(b * n + j[keep])
             reach.append(np.full(int(keep.sum()), distance))
         self.first, self.second = np.concatenate(first), np.concatenate(second)
         self.reach, self.fixed = np.concatenate(reach), np.concatenate(fixed)
 
+    def _apart(self, i: Index, other: Index) -> NDArray[np.bool_]:
+        """Whether nucleotides that move are not bonded to others."""
+        own = self.rows[i]
+        apart: NDArray[np.bool_] = (self.chains.n3[own] != other) & (self.chains.n5[own] != other)
+        return apart
+
     @staticmethod
     def _pairs(one: cKDTree, other: cKDTree, distance: float) -> tuple[Index, Index]:
         found = one.sparse_distance_matrix(other, distance + _SKIN, output_type="ndarray")
         # one order, whatever the trees: sums are the same to the last bit
         i, j = found["i"].astype(np.int64), found["j"].astype(np.int64)
-        order = np.lexsort([j, i])
+        order = np.argsort(i * other.n + j)
         return i[order], j[order]
 
     def _tree(self, points: Array) -> cKDTree:

@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 
 from loopelastica._arrays import Array, Record
-from loopelastica.nanostructure.energies import nearest_image
 from loopelastica.nanostructure.ends import HelixEnds
+from loopelastica.nanostructure.energies import nearest_image
 from loopelastica.nanostructure.model import BOND_LENGTH, UNIT_NM
 from loopelastica.nanostructure.singles import Single
 from loopelastica.nanostructure.system import System
@@ -58,8 +58,8 @@ class Spans(Record):
 
     def rows(self, which: list[int]) -> Spans:
         """Some of these lines."""
-        ends = (HelixEnds(end.point[which], end.frame[which]) for end in (self.start, self.end))
-        return Spans(*ends, self.bonds[which], self.distance[which], self.length[which])
+        start, end = (HelixEnds(e.point[which], e.frame[which]) for e in (self.start, self.end))
+        return Spans(start, end, self.bonds[which], self.distance[which], self.length[which])
 
 
 def spans(system: System, singles: list[Single], start: HelixEnds, end: HelixEnds) -> Spans:
@@ -98,15 +98,12 @@ class Rods(Record):
     sites, direction : tuple of (n, 3) array
         Backbone sites of the nucleotides of each, from 5' to 3', and unit vectors from there
         towards the bases.
-    bond : (m,) array
-        Length of bonds of each.
     energy : (m,) array
         ∫ ½ κ² ds, per oxDNA's unit of length and bending rigidity.
     """
 
     sites: tuple[Array, ...]
     direction: tuple[Array, ...]
-    bond: Array
     energy: Array
 
 
@@ -133,7 +130,7 @@ def rods(found: Spans, first: Array, last: Array) -> Rods:
     positions = np.einsum("mij,mj->mi", to_start, chord) / found.length[:, None]
     batch = solve_batch(positions, to_start @ found.end.frame, free_spin=True)
     empty = np.zeros((0, 3))
-    sites, directions, bond = [empty] * len(batch), [empty] * len(batch), np.zeros(len(batch))
+    sites, directions = [empty] * len(batch), [empty] * len(batch)
     # all lines of one number of bonds at once
     for bonds in np.unique(found.bonds).astype(int).tolist():
         rows = np.flatnonzero(found.bonds == bonds)
@@ -148,12 +145,11 @@ def rods(found: Spans, first: Array, last: Array) -> Rods:
         places, towards = _evenly(pose, bonds, found.start.frame[rows], first[rows], last[rows])
         places = places @ found.start.frame[rows].transpose(0, 2, 1)
         places *= found.length[rows, None, None]
-        bond[rows] = np.linalg.norm(np.diff(places, axis=1), axis=2).mean(axis=1)
         places += found.start.point[rows, None]
         for at, i in enumerate(rows.tolist()):
             sites[i], directions[i] = places[at, 1:-1], towards[at, 1:-1]
     energy = np.where(batch.converged, batch.energy, 0.0) / found.length
-    return Rods(tuple(sites), tuple(directions), bond, energy)
+    return Rods(tuple(sites), tuple(directions), energy)
 
 
 def _evenly(

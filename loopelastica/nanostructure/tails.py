@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.nanostructure.bases import REACH
-from loopelastica.nanostructure.energies import nearest_image
-from loopelastica.nanostructure.ends import across
-from loopelastica.nanostructure.model import BOND_LENGTH
 from loopelastica.nanostructure.chains import Chains
+from loopelastica.nanostructure.ends import across
+from loopelastica.nanostructure.energies import nearest_image
+from loopelastica.nanostructure.model import BOND_LENGTH
 
 # backbones of a straight tail are as far from other backbones, and from bases, as this
 _BACKBONES: Final = 0.73
@@ -95,7 +95,7 @@ class _Crowd:
 
     def __init__(self, chains: Chains) -> None:
         self.chains = chains
-        self.box = chains.box if (chains.box > 0).any() else None
+        self.box = chains.box if (chains.box > 0).all() else None
         self._plant()
 
     def _plant(self) -> None:
@@ -124,9 +124,7 @@ class _Crowd:
     def room(self, line: Array, anchor: int) -> float:
         """By how much sites of a line are further from all others than they must be."""
         chains, free = self.chains, []
-        for tree, share, least in zip(
-            self.trees, (0.0, REACH), (_BACKBONES, _BASES), strict=True
-        ):
+        for tree, share, least in zip(self.trees, (0.0, REACH), (_BACKBONES, _BASES), strict=True):
             # the nucleotide that the tail is bonded to is left out where it is the nearest
             distance, which = tree.query(self._inside(line), k=2, distance_upper_bound=least)
             own = np.append(self.known, -1)[which] == anchor

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.nanostructure.chains import Chains
-from loopelastica.nanostructure.energies import nearest_image
 from loopelastica.nanostructure.ends import unit
+from loopelastica.nanostructure.energies import nearest_image
 from loopelastica.nanostructure.neighbours import Neighbours
 
 Index = NDArray[np.int64]
@@ -33,12 +33,14 @@ _EVEN: Final = 0.02
 _SHORT: Final = 0.56
 _LONG: Final = 0.99
 _PROJECTIONS: Final = 400
-# FIRE: first and longest step, steps, largest move in one; forces at which a strand is at rest
-_STEP: Final = 0.04
-_LONGEST: Final = 0.12
+# FIRE: first and longest step; steps, also where bases only turn; largest move in one; forces at
+# which a strand is at rest
+_STEP: Final = 0.08
+_LONGEST: Final = 0.13
 _STEPS: Final = 500
-_MOVE: Final = 0.06
-_REST: Final = 0.03
+_TURNING: Final = 40
+_MOVE: Final = 0.1
+_REST: Final = 0.05
 
 
 def clear(chains: Chains, which: Index, *, move: bool) -> None:
@@ -62,10 +64,10 @@ def clear(chains: Chains, which: Index, *, move: bool) -> None:
     velocity = np.zeros((2, len(rows), 3))
     step, mix, uphill = np.full(count, _STEP), np.full(count, 0.1), np.zeros(count, dtype=int)
     going = np.ones(count, dtype=bool)
-    for _ in range(_STEPS):
+    for _ in range(_STEPS if move else _TURNING):
         force = forces(move)
         largest = np.zeros(count)
-        np.maximum.at(largest, own, np.abs(force).max(axis=(0, 2)))
+        np.maximum.at(largest, own, np.linalg.norm(force, axis=2).max(axis=0))
         going &= largest > _REST
         if not going.any():
             break
@@ -123,8 +125,7 @@ def into_window(chains: Chains, which: Index) -> None:
 
 
 def bending(chains: Chains) -> Array:
-    """Bending energy over rigidity (N,) of the bonds at laid nucleotides; a sum over one strand is
-    its own.
+    """Bending energy over rigidity (N,) at laid nucleotides, to be summed over each strand.
 
     Hinges count as (1 − cos θ) / b at their nucleotides; those at clamps, of half a bond, twice,
     at the nucleotide beside.
@@ -220,7 +221,7 @@ class _Forces:
         turn[self.clamp_end] += 2 * tangent[self.second[self.clamp_end]]
         sideways = turn - np.einsum("ij,ij->i", turn, direction)[:, None] * direction
         # the energy falls as the bond turns towards its neighbours
-        return -_RIGIDITY * sideways / (self.length * length)[:, None]
+        return np.asarray(-_RIGIDITY * sideways / (self.length * length)[:, None])
 
     def _bases(self, force: Array, vector: Array, move: bool) -> None:
         """Bases look across the strand and are like their neighbours."""
