@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -10,16 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
+from loopelastica.nanostructure.cells import beside
 from loopelastica.nanostructure.checks import NEAREST
 from loopelastica.nanostructure.energies import bonds, close_sites, excluded_volume, separation
 from loopelastica.nanostructure.laid import Conflict
-from loopelastica.nanostructure.model import BOND_LONGEST, BOND_SHORTEST
+from loopelastica.nanostructure.model import BOND_LONGEST, BOND_SHORTEST, backbone_sites
 from loopelastica.nanostructure.system import System
 
 Index = NDArray[np.int64]
 
 # sites of nucleotides meet where centres are nearer than this
-_CELL: Final = 2.0
+_REACH: Final = 2.0
+# backbones nearer than this overlap by more than turned bases can help
+_CROSSED: Final = 0.69
 OVERLAP: Final = 0.05
 """Excluded volume of two nucleotides from which on a strand gives way; half of kT at 300 K."""
 CONFLICT: Final = 0.5
@@ -85,26 +87,26 @@ def _part(system: System, rows: Index) -> System:
 
 
 def _about(system: System, laid: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which nucleotides can meet laid ones: those in the same or in a neighbouring cell."""
-    rows = np.flatnonzero(system.placed)
-    # with a periodic box all may: a cell at its border has neighbours at the other one
-    if (system.box > 0).any() or not len(rows):
+    """Which nucleotides can meet laid ones; with a periodic box all may."""
+    if (system.box > 0).any():
         return system.placed
-    cell = np.floor(system.centre[rows] / _CELL).astype(np.int64)
-    cell -= cell.min(axis=0) - 1
-    stride = np.array([1, *np.cumprod(cell.max(axis=0)[:2] + 2)])
-    around = np.array(list(itertools.product((-1, 0, 1), repeat=3))) @ stride
-    key = cell @ stride
-    near = np.unique(np.unique(key[laid[rows]])[:, None] + around)
-    found = np.zeros(len(system), dtype=bool)
-    found[rows] = np.isin(key, near)
-    return found
+    own = system.centre[laid & system.placed]
+    return system.placed & beside(system.centre, own, _REACH)
 
 
 def strands_of(found: Overlaps, strand: Index, above: float) -> Index:
     """Single strands, by the number of each nucleotide's, that overlap by more than an energy."""
     worst = found.energy > above
     both = np.concatenate([strand[found.first[worst]], strand[found.second[worst]]])
+    return np.unique(both[both >= 0])
+
+
+def crossed(system: System, strand: Index) -> Index:
+    """Single strands, by the number of each nucleotide's, whose backbones overlap others."""
+    rows = np.flatnonzero(_about(system, strand >= 0))
+    part, own = _part(system, rows), strand[rows]
+    i, j = close_sites(part, backbone_sites(part.centre, part.a1, part.a3), _CROSSED)
+    both = np.concatenate([own[i], own[j]])
     return np.unique(both[both >= 0])
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.nanostructure.bases import MIDDLE, REACH
+from loopelastica.nanostructure.cells import beside
 from loopelastica.nanostructure.chains import Chains, Index
 from loopelastica.nanostructure.energies import nearest_image
 
@@ -31,6 +32,9 @@ _REACHES: Final = (
 _STIFFNESS: Final = 60.0
 # how much further than the distances above neighbours are listed
 _SKIN: Final = 0.4
+# what is further than this from all that moves at first is not looked at; what comes there is put
+# right in the next round
+_AROUND: Final = 5.0
 
 
 class Neighbours:
@@ -49,12 +53,8 @@ class Neighbours:
         self.box = chains.box if (chains.box > 0).all() else None
         still = chains.placed.copy()
         still[rows] = False
-        low, high = chains.sites[rows].min(axis=0), chains.sites[rows].max(axis=0)
         if self.box is None:
-            # what moves stays within a few bonds of where it is; what is far has no part in it
-            margin = 2.0 + 0.5 * (high - low).max()
-            inside = (chains.sites > low - margin) & (chains.sites < high + margin)
-            still &= inside.all(axis=1)
+            still &= beside(chains.sites, chains.sites[rows], _AROUND)
         self.others = np.flatnonzero(still)
         self.still = [
             chains.sites[self.others] + share * chains.direction[self.others] for share in _SHARES

@@ -13,6 +13,7 @@ from loopelastica.nanostructure.conflicts import (
     CONFLICT,
     OVERLAP,
     Overlaps,
+    crossed,
     overlaps,
     strands_of,
     worst,
@@ -170,8 +171,10 @@ class Strands:
         """Bring apart what overlaps; numbers of the strands that moved, and what is left."""
         chains = self.chains
         fixed = self._of(SingleKind.FREE, SingleKind.CIRCLE)
-        found = overlaps(self.composed(), self.laid)
-        clear(chains, strands_of(found, chains.strand, OVERLAP), move=False)
+        first = self.composed()
+        found = overlaps(first, self.laid)
+        turning = strands_of(found, chains.strand, OVERLAP)
+        clear(chains, np.setdiff1d(turning, crossed(first, chains.strand)), move=False)
         moved = np.zeros(0, dtype=np.int64)
         for _ in range(_ROUNDS):
             found = overlaps(self.composed(), self.laid)

@@ -40,7 +40,7 @@ _LONGEST: Final = 0.13
 _STEPS: Final = 500
 _TURNING: Final = 40
 _MOVE: Final = 0.1
-_REST: Final = 0.05
+_REST: Final = 0.08
 
 
 def clear(chains: Chains, which: Index, *, move: bool) -> None:

@@ -56,32 +56,24 @@ def test_a_held_nucleotide_is_where_a_quadrature_has_it():
     np.testing.assert_allclose(np.mean([one[1] for one in found], axis=0), expected, atol=0.02)
 
 
-def test_held_chains_are_distributed_as_free_ones_that_end_there(rng):
-    # of free chains, those whose end is near a point, weighted by how their last bond suits
-    kappa, end = stiffness(0.7), np.array([0.5, 0.0, 2.4])
-    free = np.array([free_chain(np.zeros(3), UP, 1.0, kappa, 4, rng) for _ in range(25000)])
-    near = free[np.linalg.norm(free[:, -1] - end, axis=1) < 0.6]
-    assert len(near) > 150
-    weight = np.exp(kappa * (near[:, -1] - near[:, -2]) @ UP)
-    held = held_chains(
-        [np.concatenate([np.zeros((1, 3)), one]) for one in near],
-        np.tile([UP, UP], (len(near), 1, 1)),
-        np.full(len(near), kappa),
-        generators(len(near), 5),
+def test_crankshafts_leave_the_distribution_of_free_chains_as_it_is(rng):
+    # a free chain, held where its end happens to be, with its last bond for a clamp
+    ratio, count, chains = 0.5, 6, 2500
+    kappa = stiffness(ratio)
+    free = np.zeros((chains, count + 1, 3))
+    for one in free:
+        one[1:] = free_chain(np.zeros(3), UP, 1.0, kappa, count, rng)
+    clamps = np.stack([np.tile(UP, (chains, 1)), free[:, -1] - free[:, -2]], axis=1)
+    held = np.array(
+        held_chains(list(free[:, :-1]), clamps, np.full(chains, kappa), generators(chains, 5))
     )
-    for k in (0, 1, 2):
-        expected = (weight[:, None] * near[:, k]).sum(axis=0) / weight.sum()
-        np.testing.assert_allclose(
-            np.mean([one[k + 1] for one in held], axis=0), expected, atol=0.1
-        )
-    # without bending energy the first bond follows its clamp less
-    loose = held_chains(
-        [np.concatenate([np.zeros((1, 3)), one]) for one in near],
-        np.tile([UP, UP], (len(near), 1, 1)),
-        np.zeros(len(near)),
-        generators(len(near), 5),
-    )
-    assert np.mean([one[1, 2] for one in loose]) < np.mean([one[1, 2] for one in held]) - 0.1
+    assert np.linalg.norm(held - free[:, :-1], axis=2).max() > 1
+    steps = np.diff(held, axis=1)
+    steps = np.concatenate([clamps[:, :1], steps, clamps[:, 1:]], axis=1)
+    cosine = np.einsum("mki,mki->mk", steps[:, 1:], steps[:, :-1])
+    np.testing.assert_allclose(cosine.mean(axis=0), np.exp(-ratio), atol=0.03)
+    far = np.einsum("mki,mki->mk", steps[:, 2:], steps[:, :-2])
+    np.testing.assert_allclose(far.mean(axis=0), np.exp(-2 * ratio), atol=0.04)
 
 
 def test_held_chains_keep_their_ends_and_their_bonds(rng):
