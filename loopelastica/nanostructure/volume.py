@@ -40,6 +40,10 @@ _LONGEST: Final = 0.13
 _STEPS: Final = 500
 _TURNING: Final = 40
 _MOVE: Final = 0.1
+# steps downhill after which they grow
+_PATIENCE: Final = 5
+# share of strands still moving below which the others are left out
+_CROWDED: Final = 0.7
 _REST: Final = 0.08
 
 
@@ -58,40 +62,68 @@ def clear(chains: Chains, which: Index, *, move: bool) -> None:
     rows = np.flatnonzero(np.isin(chains.strand, which) & chains.placed)
     if not len(rows):
         return
-    _, own = np.unique(chains.strand[rows], return_inverse=True)
-    count = int(own.max()) + 1
-    forces = _Forces(chains, rows)
-    velocity = np.zeros((2, len(rows), 3))
-    step, mix, uphill = np.full(count, _STEP), np.full(count, 0.1), np.zeros(count, dtype=int)
-    going = np.ones(count, dtype=bool)
+    descent = _Descent(chains, rows)
     for _ in range(_STEPS if move else _TURNING):
-        force = forces(move)
+        if not descent.step(move):
+            break
+
+
+class _Descent:
+    """Strands on their way downhill; arrays over the strands that still move."""
+
+    def __init__(self, chains: Chains, rows: Index) -> None:
+        self.chains, self.rows = chains, rows
+        _, self.own = np.unique(chains.strand[rows], return_inverse=True)
+        count = int(self.own.max()) + 1
+        self.forces = _Forces(chains, rows)
+        self.velocity = np.zeros((2, len(rows), 3))
+        self.size, self.mix = np.full(count, _STEP), np.full(count, 0.1)
+        self.down = np.zeros(count, dtype=np.int64)
+        self.going = np.ones(count, dtype=bool)
+
+    def step(self, move: bool) -> bool:
+        """Take one step; False if all strands are at rest."""
+        force, own, count = self.forces(move), self.own, len(self.going)
         largest = np.zeros(count)
         np.maximum.at(largest, own, np.linalg.norm(force, axis=2).max(axis=0))
-        going &= largest > _REST
-        if not going.any():
-            break
-        power, speed, size = (
+        self.going &= largest > _REST
+        if not self.going.any():
+            return False
+        power, speed, pull = (
             np.bincount(own, np.einsum("kij,kij->i", a, b), count)
-            for a, b in ((force, velocity), (velocity, velocity), (force, force))
+            for a, b in (
+                (force, self.velocity),
+                (self.velocity, self.velocity),
+                (force, force),
+            )
         )
-        down = power > 0
-        uphill = np.where(down, uphill + 1, 0)
-        faster = uphill > 5
-        turn = mix * np.sqrt(speed / np.maximum(size, 1e-300))
-        velocity = np.where(
-            down[own, None],
-            (1 - mix)[own, None] * velocity + turn[own, None] * force,
-            0.0,
-        )
-        step = np.where(down, np.where(faster, np.minimum(1.1 * step, _LONGEST), step), 0.5 * step)
-        step = np.maximum(step, 0.1 * _STEP)
-        mix = np.where(down, np.where(faster, 0.99 * mix, mix), 0.1)
-        velocity = velocity + step[own, None] * force
-        shift = (step * going)[own, None] * velocity
+        falling = power > 0
+        self.down = np.where(falling, self.down + 1, 0)
+        faster = self.down > _PATIENCE
+        turn = self.mix * np.sqrt(speed / np.maximum(pull, 1e-300))
+        velocity = (1 - self.mix)[own, None] * self.velocity + turn[own, None] * force
+        velocity = np.where(falling[own, None], velocity, 0.0)
+        grown = np.where(faster, np.minimum(1.1 * self.size, _LONGEST), self.size)
+        self.size = np.maximum(np.where(falling, grown, 0.5 * self.size), 0.1 * _STEP)
+        self.mix = np.where(falling, np.where(faster, 0.99 * self.mix, self.mix), 0.1)
+        self.velocity = velocity + self.size[own, None] * force
+        shift = (self.size * self.going)[own, None] * self.velocity
         far = np.linalg.norm(shift, axis=2, keepdims=True)
-        shift *= np.minimum(1.0, _MOVE / np.maximum(far, _MOVE))
-        forces.shift(shift)
+        self.forces.shift(shift * np.minimum(1.0, _MOVE / np.maximum(far, _MOVE)))
+        if np.count_nonzero(self.going) < _CROWDED * count:
+            self._drop()
+        return True
+
+    def _drop(self) -> None:
+        """Leave strands that are at rest where they are, in the way of the others."""
+        kept = self.going[self.own]
+        self.rows, self.velocity = self.rows[kept], self.velocity[:, kept]
+        _, self.own = np.unique(self.own[kept], return_inverse=True)
+        self.size, self.mix, self.down = (
+            values[self.going] for values in (self.size, self.mix, self.down)
+        )
+        self.going = self.going[self.going]
+        self.forces = _Forces(self.chains, self.rows)
 
 
 def into_window(chains: Chains, which: Index) -> None:
