@@ -13,6 +13,7 @@ from strands import moved
 from loopelastica.nanostructure.energies import bonds
 from loopelastica.nanostructure.lay import lay
 from loopelastica.nanostructure.model import UNIT_NM, backbone_sites
+from loopelastica.nanostructure.oxdna import read_oxdna, write_oxdna
 from loopelastica.nanostructure.scadnano import read_design
 
 
@@ -318,3 +319,18 @@ def test_dynamics_of_the_start_run_in_lammps(read, design, tmp_path):
     centre, energy = oracle.run(system, tmp_path, 10_000)
     assert np.isfinite(centre).all()
     assert energy < -0.5 * len(system)
+
+
+def test_files_of_oxdna_go_round_with_paired_nucleotides_unchanged(read, tmp_path):
+    system = lay(read(laying.hairpins([7, 20]))).system
+    write_oxdna(system, tmp_path / "a.top", tmp_path / "a.dat")
+    files = read_oxdna(tmp_path / "a.top")
+    np.testing.assert_array_equal(files.system.pair >= 0, system.pair >= 0)
+    laid = lay(files.system)
+    assert [len(one) for one in laid.strands] == [7, 20]
+    laying.assert_starts(laid.system, of(laid))
+    write_oxdna(laid.system, tmp_path / "b.top", tmp_path / "b.dat", files=files)
+    before, after = ((tmp_path / name).read_bytes().splitlines() for name in ("a.dat", "b.dat"))
+    paired = np.flatnonzero(system.pair >= 0)
+    assert [after[3 + i] for i in paired] == [before[3 + i] for i in paired]
+    assert (tmp_path / "a.top").read_bytes() == (tmp_path / "b.top").read_bytes()
