@@ -332,7 +332,7 @@ def test_the_help_says_what_it_does():
 
 def started(*arguments):
     return subprocess.Popen(
-        [sys.executable, "-m", "loopelastica", "fill", *map(str, arguments)],
+        [sys.executable, "-m", "loopelastica", "fill", "--no-report", *map(str, arguments)],
         cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
     )  # fmt: skip
 

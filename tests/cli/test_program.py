@@ -388,7 +388,7 @@ def test_a_mistake_in_solve_is_one_of_usage_and_no_solution_a_failure(monkeypatc
 def interrupted(arguments, ready):
     """Send Ctrl-C as a terminal does, to all processes of the group, when it is time."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "loopelastica", *map(str, arguments)],
+        [sys.executable, "-m", "loopelastica", *map(str, arguments), "--no-report"],
         cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
     )  # fmt: skip
     deadline = time.monotonic() + 240
