@@ -112,7 +112,7 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def whole_folder(path: Path, manifest: str) -> Iterator[Path]:
+def whole_folder(path: Path, manifest: str, shared: bool = False) -> Iterator[Path]:
     """A folder to write into, whose files come to ``path`` when the block ends without an error.
 
     Only files that the program wrote are replaced or removed: those that the manifest of a former
@@ -127,6 +127,8 @@ def whole_folder(path: Path, manifest: str) -> Iterator[Path]:
     manifest : str
         Name of one of the files, JSON, that says "program": "loopelastica" and lists all in
         "files".
+    shared : bool
+        Whether other results have manifests of their own in this folder.
 
     Raises
     ------
@@ -137,9 +139,9 @@ def whole_folder(path: Path, manifest: str) -> Iterator[Path]:
     if path.is_symlink() or (path.exists() and not path.is_dir()):
         kind = "a symbolic link" if path.is_symlink() else "a file"
         raise _taken(path, f"this is {kind}, so no result is written there")
-    make_folder(path.parent)
+    make_folder(path if shared else path.parent)
     # always the same name, so that what a killed run has left is found again
-    part = path.with_name(f".{path.name}.part")
+    part = path / f".{manifest}.part" if shared else path.with_name(f".{path.name}.part")
     with writing(path), _locked(path, part):
         try:
             _clear(part)

@@ -18,7 +18,7 @@ from loopelastica.cli.app import app
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGES = sorted(page for page in DOCS.glob("*.md") if "```python" in page.read_text("utf-8"))
 # what a page needs beside the package
-NEEDED = {"loops": "pandas", "simulation": "openmm"}
+NEEDED = {"loops": "pandas", "nanostructures": "scadnano", "simulation": "openmm"}
 # a block of Python, and what it prints where the page says so
 _BLOCK = re.compile(r"```python\n(.*?)```(?:\s+```text\n(.*?)```)?", re.S)
 _LINK = re.compile(r"\]\(([^)#:\s]+\.(?:md|png|svg|py))(?:#[^)]*)?\)")

@@ -9,7 +9,7 @@ import pytest
 
 # a short minimization and a hundred steps; the full run takes minutes
 QUICK = {"simulate_hairpin": {"PICOSECONDS": "0.4"}}
-NEEDED = {"simulate_hairpin": "openmm", "analyse_trajectory": "pandas"}
+NEEDED = {"simulate_hairpin": "openmm", "analyse_trajectory": "pandas", "nanostructure": "scadnano"}
 EXAMPLES = sorted((Path(__file__).resolve().parents[1] / "examples").glob("*.py"))
 # those that need a program of their own, which the documentation does not run either
 RENDERED = [script for script in EXAMPLES if script.stem.startswith("render_")]

@@ -314,3 +314,20 @@ def test_names_that_are_no_utf8_are_written_all_the_same(tmp_path):
     assert (tmp_path / "t.csv").read_text() == "file\na\\udcff.pdb\n"
     write_json(tmp_path / "t.json", {"file": name})
     assert json.loads((tmp_path / "t.json").read_text()) == {"file": name}
+
+
+def test_results_with_manifests_of_their_own_share_a_folder(tmp_path):
+    for name in ("a", "b", "a"):
+        with whole_folder(tmp_path / "out", f"{name}.json", shared=True) as part:
+            (part / f"{name}.txt").write_text(name)
+            listed = [f"{name}.txt", f"{name}.json"]
+            write_json(part / f"{name}.json", {"program": "loopelastica", "files": listed})
+    assert names(tmp_path) == ["out"]
+    assert names(tmp_path / "out") == ["a.json", "a.txt", "b.json", "b.txt"]
+
+
+def test_a_shared_result_that_fails_leaves_the_others(tmp_path):
+    (tmp_path / "mine").write_text("mine")
+    with pytest.raises(RuntimeError):
+        fail_half_way(lambda path: whole_folder(path, "a.json", shared=True), tmp_path)
+    assert names(tmp_path) == ["mine"]

@@ -11,6 +11,7 @@ from loopelastica.cli.evaluate import evaluate
 from loopelastica.cli.fill import fill
 from loopelastica.cli.fold import fold
 from loopelastica.cli.library import library
+from loopelastica.cli.origami import origami
 from loopelastica.cli.program import EPILOG, Command, Program
 from loopelastica.cli.rod import solve, warm
 from loopelastica.cli.structure import hairpins, scan
@@ -26,7 +27,7 @@ app = typer.Typer(
     # plain help takes half the time of the coloured one
     rich_markup_mode=None,
 )
-for command in (fold, fill, build, evaluate, scan, hairpins, solve, warm):
+for command in (fold, fill, build, origami, evaluate, scan, hairpins, solve, warm):
     app.command(cls=Command)(command)
 app.add_typer(library, name="library")
 app.add_typer(bench, name="bench")
