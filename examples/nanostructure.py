@@ -24,7 +24,7 @@ except ImportError:
     sys.exit("this example draws its design with scadnano: pip install loopelastica[origami]")
 
 import loopelastica as le
-from loopelastica.nanostructure.model import UNIT_NM, backbone_sites
+from loopelastica.nanostructures.oxdna.model import UNIT_NM, backbone_sites
 
 design = sc.Design(helices=[sc.Helix(max_offset=32) for _ in range(3)], grid=sc.square)
 # down one helix, back along the next, down the third and back after a hairpin

@@ -46,8 +46,8 @@ _PUBLIC = {
     "fill": "filling.fill",
     "Filling": "filling.result",
     "FilledStrand": "filling.result",
-    "nanostructure": "nanostructure.nanostructure",
-    "Nanostructure": "nanostructure.nanostructure",
+    "nanostructure": "nanostructures.nanostructure",
+    "Nanostructure": "nanostructures.nanostructure",
     "restraints": "simulation",
     "to_dataframe": "report.dataframe",
     "write_report": "report.page.write",
@@ -82,8 +82,8 @@ if TYPE_CHECKING:
     from loopelastica.molecule.hairpins import Hairpin as Hairpin
     from loopelastica.molecule.hairpins import Hairpins as Hairpins
     from loopelastica.molecule.hairpins import find_hairpins as find_hairpins
-    from loopelastica.nanostructure.nanostructure import Nanostructure as Nanostructure
-    from loopelastica.nanostructure.nanostructure import nanostructure as nanostructure
+    from loopelastica.nanostructures.nanostructure import Nanostructure as Nanostructure
+    from loopelastica.nanostructures.nanostructure import nanostructure as nanostructure
     from loopelastica.report.dataframe import to_dataframe as to_dataframe
     from loopelastica.report.page.write import write_report as write_report
     from loopelastica.rod.barriers import Barrier as Barrier

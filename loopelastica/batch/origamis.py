@@ -8,8 +8,8 @@ from loopelastica._names import safe_stem
 from loopelastica.batch.journal import Record
 from loopelastica.batch.run import Work
 from loopelastica.batch.tasks import Task
-from loopelastica.nanostructure.inputs import input_paths
-from loopelastica.nanostructure.nanostructure import STRAND_COLUMNS, nanostructure
+from loopelastica.nanostructures.inputs import input_paths
+from loopelastica.nanostructures.nanostructure import STRAND_COLUMNS, nanostructure
 from loopelastica.report.nanostructure import is_there, write_folder
 
 COLUMNS = ("file", *STRAND_COLUMNS, "output")

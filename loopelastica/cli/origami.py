@@ -80,8 +80,8 @@ def origami(
     from loopelastica._checks import one_of
     from loopelastica.batch.origamis import ORIGAMIS, design_tasks
     from loopelastica.batch.run import run
-    from loopelastica.nanostructure.inputs import designs_of
-    from loopelastica.nanostructure.options import NanostructureOptions
+    from loopelastica.nanostructures.inputs import designs_of
+    from loopelastica.nanostructures.options import NanostructureOptions
 
     screen = Screen("origami", "designs", quiet, as_json)
     with o.usage():

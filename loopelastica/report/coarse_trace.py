@@ -18,11 +18,11 @@ import numpy as np
 from loopelastica._arrays import Array
 from loopelastica._version import __version__
 from loopelastica.errors import StructureError
-from loopelastica.nanostructure.model import UNIT_NM, backbone_sites
-from loopelastica.nanostructure.nanostructure import Nanostructure
-from loopelastica.nanostructure.oxdna import box_of
-from loopelastica.nanostructure.system import System
-from loopelastica.nanostructure.topology import written_order
+from loopelastica.nanostructures.nanostructure import Nanostructure
+from loopelastica.nanostructures.oxdna.files import box_of
+from loopelastica.nanostructures.oxdna.model import UNIT_NM, backbone_sites
+from loopelastica.nanostructures.oxdna.topology import written_order
+from loopelastica.nanostructures.system import System
 
 _SIGNS: Final = string.ascii_uppercase + string.ascii_lowercase + string.digits
 _MOST_RESIDUES: Final = 9_999

@@ -17,18 +17,18 @@ from loopelastica._files import PROGRAM, is_whole, whole_folder, write_json, wri
 from loopelastica._names import printable, safe_stem
 from loopelastica._version import __version__
 from loopelastica.errors import StructureError
-from loopelastica.nanostructure.checks import closest_centres
-from loopelastica.nanostructure.energies import bonds
-from loopelastica.nanostructure.model import BOND_LONGEST, BOND_SHORTEST, UNIT_NM
-from loopelastica.nanostructure.nanostructure import Nanostructure
-from loopelastica.nanostructure.oxdna import (
+from loopelastica.nanostructures.nanostructure import Nanostructure
+from loopelastica.nanostructures.oxdna.checks import closest_centres
+from loopelastica.nanostructures.oxdna.energies import bonds
+from loopelastica.nanostructures.oxdna.files import (
     TOPOLOGY,
     line_order,
     oxdna_texts,
     refuse_input,
     write_oxdna,
 )
-from loopelastica.nanostructure.topology import Form
+from loopelastica.nanostructures.oxdna.model import BOND_LONGEST, BOND_SHORTEST, UNIT_NM
+from loopelastica.nanostructures.oxdna.topology import Form
 from loopelastica.report.coarse_trace import (
     mmcif_text,
     oxview_text,

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from loopelastica.cli.app import app
-from loopelastica.nanostructure.oxdna import read_oxdna
+from loopelastica.nanostructures.oxdna.files import read_oxdna
 
 sc = designs.sc
 
@@ -62,8 +62,9 @@ def test_a_design_becomes_files_for_oxdna_and_a_row(hairpin, out):
     assert table(out / "failures.csv") == []
 
 
-def test_the_screen_has_a_row_per_strand_in_80_columns(hairpin, far, out):
-    result = run(hairpin, far, "-o", out)
+def test_the_screen_has_a_row_per_strand_in_80_columns(hairpin, far, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # a long path is not broken, so that it can be copied
+    result = run(hairpin.name, far.name, "-o", "out")
     assert max(map(len, result.stdout.splitlines())) <= 80
     for words in ("pin.sc", "hairpin, helix 0:11", "laid", "linker, helix 0:19", "refused"):
         assert words in result.stdout

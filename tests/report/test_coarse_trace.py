@@ -8,7 +8,7 @@ import MDAnalysis as mda
 import numpy as np
 import pytest
 
-from loopelastica.nanostructure.model import UNIT_NM, backbone_sites
+from loopelastica.nanostructures.oxdna.model import UNIT_NM, backbone_sites
 from loopelastica.report.coarse_trace import (
     chain_name,
     mmcif_text,
@@ -24,7 +24,7 @@ sc = designs.sc
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
     """Two helices, a linker, a hairpin and a tail; three colours."""
-    from loopelastica.nanostructure.nanostructure import nanostructure
+    from loopelastica.nanostructures.nanostructure import nanostructure
 
     design = sc.Design(helices=[sc.Helix(max_offset=64) for _ in range(2)], grid=sc.square)
     strand = design.draw_strand(0, 0).move(21).loopout(1, 14).move(-21)
@@ -69,7 +69,7 @@ def test_mmcif_has_the_same_atoms(found):
 
 
 def test_pdb_is_left_out_where_it_does_not_hold_the_strands(tmp_path):
-    from loopelastica.nanostructure.nanostructure import nanostructure
+    from loopelastica.nanostructures.nanostructure import nanostructure
 
     many = nanostructure(designs.write(designs.hairpins(63), tmp_path))
     assert pdb_text(trace(many)) is None

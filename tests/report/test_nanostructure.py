@@ -11,14 +11,14 @@ from loopelastica.report.nanostructure import is_there, write_folder
 
 @pytest.fixture
 def found(tmp_path):
-    from loopelastica.nanostructure.nanostructure import nanostructure
+    from loopelastica.nanostructures.nanostructure import nanostructure
 
     return nanostructure(designs.write(designs.hairpin(6), tmp_path))
 
 
 @pytest.fixture
 def refused(tmp_path):
-    from loopelastica.nanostructure.nanostructure import nanostructure
+    from loopelastica.nanostructures.nanostructure import nanostructure
 
     return nanostructure(designs.write(designs.linker(2, apart=3), tmp_path / "far.sc"))
 

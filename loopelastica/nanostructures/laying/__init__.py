@@ -1,0 +1,1 @@
+"""Single strands between helices: rods, tails and samples, clear of what is there."""

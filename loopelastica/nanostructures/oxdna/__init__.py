@@ -1,0 +1,1 @@
+"""The model of oxDNA and its files: sites, energies, pairs, checks of a start."""

@@ -1,0 +1,65 @@
+"""Strands that move downhill."""
+
+import numpy as np
+import pytest
+from chained import crowd, line
+
+from loopelastica.nanostructures.laying.volume import _Forces, bending, clear, into_window
+
+
+def test_forces_along_a_strand_have_an_energy(rng):
+    # the matrix of their derivatives is symmetric
+    chains = crowd(rng, n=10)
+    chains.sites[:] = np.cumsum(0.4 * rng.normal(size=(10, 3)), axis=0)
+    chains.tangent[0] = [0, 0, 1]
+    chains.strand[[0, 9]] = -1
+    rows = np.arange(1, 9)
+    forces, eps = _Forces(chains, rows), 1e-5
+    n = 3 * len(rows)
+    matrix = np.zeros((n, n))
+    for at in range(n):
+        i, k = rows[at // 3], at % 3
+        for sign in (1, -1):
+            chains.sites[i, k] += sign * eps
+            matrix[at] += sign * forces(True)[0].reshape(-1) / (2 * eps)
+            chains.sites[i, k] -= sign * eps
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-3)
+    assert np.abs(matrix).max() > 10
+
+
+def test_a_straight_strand_stays_where_it_is():
+    chains = line(8)
+    before = chains.sites.copy()
+    clear(chains, np.array([0]), move=True)
+    np.testing.assert_array_equal(chains.sites, before)
+    np.testing.assert_allclose(bending(chains), 0.0, atol=1e-12)
+
+
+def test_bases_turn_away_without_their_backbones():
+    chains = line(8)
+    chains.direction[3] = [-0.6, 0.0, -0.8]
+    before = chains.sites.copy()
+    clear(chains, np.array([0]), move=False)
+    np.testing.assert_array_equal(chains.sites, before)
+    assert chains.direction[3, 2] > -0.5
+    np.testing.assert_allclose(np.linalg.norm(chains.direction, axis=1), 1.0)
+
+
+def test_bonds_that_are_too_long_come_into_the_window():
+    chains = line(8, gap=0.9)
+    chains.sites[4, 2] += 0.5
+    into_window(chains, np.array([0]))
+    bonds = np.linalg.norm(np.diff(chains.sites, axis=0), axis=1)
+    assert bonds.max() < 1.0
+    assert bonds.min() > 0.55
+    np.testing.assert_array_equal(chains.sites[[0, -1]], 0.9 * np.array([[0, 0, 0], [0, 0, 7]]))
+
+
+def test_a_right_angle_has_the_energy_of_its_hinge():
+    chains = line(5)
+    chains.sites[3:] = chains.sites[2] + 0.7564 * np.array([[1.0, 0, 0], [2.0, 0, 0]])
+    chains.tangent[4] = [1.0, 0.0, 0.0]
+    assert bending(chains).sum() == pytest.approx(1 / 0.7564)
+    # the clamp of the end stands at a right angle too, half a bond away
+    chains.tangent[4] = [0.0, 0.0, 1.0]
+    assert bending(chains).sum() == pytest.approx(3 / 0.7564)
