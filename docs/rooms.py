@@ -27,6 +27,8 @@ ABOUT = {
     "batch": "many files, workers",
     "filling": "gaps to structures",
     "report": "files, tables, pictures",
+    "simulation": "restraints for OpenMM",
+    "nanostructures": "scadnano, oxDNA",
     "atoms": "from line to residues",
     "folding": "structure to candidates",
     "molecule": "nucleotides, stems",
@@ -57,6 +59,21 @@ ABOUT = {
     "rod._library": "guess library",
     "rod.clamping": "what is solved",
     "rod.kernels": "compiled code",
+    "rod.deformed": "chains with a rest shape",
+    "rod._chain_starts": "starts of chains",
+    "rod.barriers": "passes between minima",
+    "rod.surrounded": "among points that repel",
+    "rod.chain": "many chains at once",
+    "rod._turned": "passes by turned ends",
+    "rod.descent": "what a saddle separates",
+    "rod.morse": "what topology demands",
+    "rod._discrete": "as a discrete rod",
+    "rod._same": "when two are one",
+    "rod._arc_start": "circular arcs, the start",
+    "rod._arc_check": "… their forces, checked",
+    "rod._arc_line": "… their line",
+    "rod.rest_shape": "natural curvature",
+    "rod.curves": "curves to begin with",
 }
 UNDRAWN = ("__main__",)
 WIDTH, HEIGHT, SIDEWAYS, DOWNWARDS = 2.4, 0.74, 2.65, 1.24
@@ -155,7 +172,7 @@ def draw_rooms(axes, rows):
             FancyBboxPatch(corner, WIDTH, HEIGHT, boxstyle=style, fc=PAPER, ec=INK, lw=0.9)
         )
         centered = {"ha": "center", "va": "center", "color": INK}
-        axes.text(x, y + 0.15, room, fontsize=10.5, **centered)
+        axes.text(x, y + 0.15, room, fontsize=9.5, **centered)
         axes.text(x, y - 0.19, ABOUT.get(room, ""), fontsize=7, **centered)
     half = 0.5 * most * SIDEWAYS + 0.1
     axes.set(xlim=(-half, half), ylim=(-(len(rows) - 1) * DOWNWARDS - 0.5, 0.5), aspect="equal")
@@ -210,13 +227,13 @@ def draw_matrix(axes, rows):
         name = room.rpartition(".")[2]
         axes.text(k, k, "■", ha="center", va="center", fontsize=8, color=LINE)
         axes.text(k - 0.2, -0.8, name, ha="left", va="bottom", rotation=55, fontsize=9, color=INK)
-        axes.text(-0.8, k - 0.2, name, ha="right", va="center", fontsize=9.5, color=INK)
+        axes.text(-0.8, k, name, ha="right", va="center", fontsize=9, color=INK)
         about = ABOUT.get(room, "")
-        axes.text(-0.8, k + 0.27, about, ha="right", va="center", fontsize=6.5, color=INK)
+        axes.text(count - 0.2, k, about, ha="left", va="center", fontsize=7, color=INK)
     for a, b in sorted(arrows(rooms)):
         color = INK if rank[b] > rank[a] else UPWARD
         axes.plot(rank[b], rank[a], "o", ms=6, color=color)
-    axes.set(xlim=(-3.9, count + 0.8), ylim=(count - 0.3, -3.9), aspect="equal")
+    axes.set(xlim=(-5.0, count + 5.0), ylim=(count - 0.3, -4.5), aspect="equal")
     axes.axis("off")
 
 
@@ -224,12 +241,12 @@ def main():
     """Write the picture."""
     # the same code gives the same file
     matplotlib.rcParams.update({"svg.hashsalt": PACKAGE, "font.family": "DejaVu Sans"})
-    figure = Figure(figsize=(13.5, 7.2), layout="constrained")
+    figure = Figure(figsize=(15.0, 7.8), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
     left.set_title(f"{PACKAGE}: arrows point at what is imported", fontsize=11, color=INK)
     draw_rooms(left, layers(""))
     title = f"{PACKAGE}.rod: the row imports the column"
-    right.set_title(title, fontsize=11, color=INK)
+    right.set_title(title, fontsize=11, color=INK, pad=22)
     draw_matrix(right, layers("rod."))
     figure.savefig(ROOT / "docs" / "rooms.svg", metadata={"Date": None, "Creator": None})
     return figure

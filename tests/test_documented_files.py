@@ -69,6 +69,17 @@ def filled(tmp_path_factory):
     return out / "run"
 
 
+@pytest.fixture(scope="module")
+def laid(tmp_path_factory):
+    """A hairpin that is laid and sampled, and a linker that cannot be."""
+    designs = pytest.importorskip("helix_designs")
+    out = tmp_path_factory.mktemp("laid")
+    designs.write(designs.hairpin(6), out / "pin.sc")
+    designs.write(designs.linker(2, apart=3), out / "far.sc")
+    run("origami", out / "pin.sc", out / "far.sc", "--sample", 1, "-o", out / "run")
+    return out / "run"
+
+
 @pytest.mark.parametrize("name", ["ranking.csv", "line.csv"])
 def test_the_columns_of_a_loop_are_the_documented_ones(folded, name):
     assert written(folded / "atoms" / "2koc_A6-9" / name) == documented(f"`{name}`")
@@ -112,6 +123,17 @@ def test_filled_and_refused_strands_are_as_their_schema_says(filled, name, statu
     (strand,) = json.loads(path.read_text("utf-8"))["strands"]
     assert strand["status"] == status
     check(path, "fill")
+
+
+def test_the_columns_of_nanostructures_are_the_documented_ones(laid):
+    assert written(laid / "summary.csv") == documented("`summary.csv` of `origami`")
+
+
+@pytest.mark.parametrize(("name", "status"), [("pin", "written"), ("far", "refused")])
+def test_nanostructures_are_as_their_schema_says(laid, name, status):
+    path = laid / f"{name}.json"
+    assert json.loads(path.read_text("utf-8"))["status"] == status
+    check(path, "nanostructure")
 
 
 def test_hairpins_are_as_their_schema_says(tmp_path):

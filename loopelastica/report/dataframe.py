@@ -23,7 +23,7 @@ def to_dataframe(results: Any) -> DataFrame:
     Parameters
     ----------
     results : LoopFold, LoopScan, Filling, Hairpin, AtomModel, LoopElastica or iterable of these
-        Or Equilibria, Barriers.
+        Or Equilibria, Barriers, Nanostructure.
         One of these or several of one kind, of one structure or of many: what :func:`fold`,
         :func:`scan`, :func:`fill`, :func:`find_hairpins`, :func:`build_atoms` and :func:`build`
         give, or an analysis of a trajectory that ran.
@@ -31,7 +31,8 @@ def to_dataframe(results: Any) -> DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Lengths in Å; what is not there is missing (``None`` or ``NaN``).
+        Lengths in Å where their names say nothing else; what is not there is missing (``None``
+        or ``NaN``).
 
         - Of folds a row per candidate: ``file``, then the columns of ranking.csv, then ``failure``.
           A loop that could not be folded is one row with the reason.
@@ -41,6 +42,8 @@ def to_dataframe(results: Any) -> DataFrame:
         - Of models a row each: whether its atoms are sound, what is wrong, what was measured on
           them. Of a hairpin that was built all its candidates.
         - Of equilibria and of barriers a row each.
+        - Of nanostructures a row per single strand, laid or refused: ``file``, then the columns of
+          their summary.csv up to ``conflicts``; lengths in nm where their names say so.
         - Of an analysis a row per frame, loop and candidate.
 
     Raises
@@ -75,7 +78,10 @@ def to_dataframe(results: Any) -> DataFrame:
     return table
 
 
-_KINDS = "it must be what fold, scan, fill, find_hairpins or build gives, or an analysis that ran"
+_KINDS = (
+    "it must be what fold, scan, fill, find_hairpins, build or nanostructure gives, or an analysis"
+    " that ran"
+)
 
 
 def _is_one(given: Any) -> bool:
