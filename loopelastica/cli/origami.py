@@ -26,6 +26,13 @@ _Form = Annotated[
     str,
     typer.Option(help="Form of the topology: 'old', four columns, or 'new', a line per strand."),
 ]
+_Helices = Annotated[
+    str,
+    typer.Option(
+        help="Helices of a scadnano design: 'drawn', where it has them, or 'fitted', moved so that"
+        " strands can cross between them by bonds of the model."
+    ),
+]
 _Tails = Annotated[
     str,
     typer.Option(
@@ -62,6 +69,7 @@ def origami(
     designs: _Designs,
     out: o.Out = o.OUT,
     form: _Form = "old",
+    helices: _Helices = "drawn",
     tails: _Tails = "straight",
     sample: _Sample = 0,
     seed: _Seed = 0,
@@ -88,6 +96,7 @@ def origami(
         one_of("old", "new")("form", form)
         options = NanostructureOptions(
             pairs=pairs,
+            helices=helices,
             tails=tails,
             sample=sample,
             seed=seed,

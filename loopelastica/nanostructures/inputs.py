@@ -87,8 +87,13 @@ def read_input(path: Any, options: NanostructureOptions) -> Input:
                 f"`other` is {shown(options.other)}, but {name_of(place)} is a design of scadnano,"
                 " which is one file"
             )
-        design = read_design(place, options.seed)
+        design = read_design(place, options.seed, fit=options.helices == "fitted")
         return Input(design.system, design, None, (place,), design.notes)
+    if options.helices == "fitted":
+        raise ValueError(
+            f"`helices` is 'fitted', but {name_of(place)} is of oxDNA, whose paired nucleotides"
+            " stay where they are"
+        )
     files = read_oxdna(path, options.other, any_bases=options.pairs == "geometry")
     return Input(files.system, None, files, (files.topology, files.configuration), _frames(files))
 

@@ -20,6 +20,9 @@ class NanostructureOptions(Options):
     pairs : {"energy", "geometry"}
         Base pairs of oxDNA files: by the energy of hydrogen bonds between complementary bases, or
         by geometry alone, as if all bases fitted, for designs without sequences.
+    helices : {"drawn", "fitted"}
+        Helices of a design: where it draws them, or shifted, rolled and turned so that strands can
+        cross between them by bonds of the model.
     tails : {"straight", "relaxed"}
         Single strands with a free end: straight, or rods of least energy in their surroundings.
     sample : int
@@ -32,6 +35,7 @@ class NanostructureOptions(Options):
 
     other: str | None = option(None, optional(file_name))
     pairs: str = option("energy", one_of("energy", "geometry"))
+    helices: str = option("drawn", one_of("drawn", "fitted"))
     tails: str = option("straight", one_of("straight", "relaxed"))
     sample: int = option(0, whole(0))
     seed: int = option(0, whole(0))

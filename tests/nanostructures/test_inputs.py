@@ -90,3 +90,9 @@ def test_a_design_of_scadnano_has_no_other_file(tmp_path):
 def test_a_path_that_is_none_is_named(path):
     with pytest.raises(ValueError, match="`path` is"):
         read_input(path, NanostructureOptions())
+
+
+def test_helices_of_oxdna_are_not_fitted(tmp_path):
+    top, _ = touched(tmp_path, "a.top", "a.dat")
+    with pytest.raises(ValueError, match=r"`helices` .* a\.top is of oxDNA"):
+        read_input(top, NanostructureOptions(helices="fitted"))

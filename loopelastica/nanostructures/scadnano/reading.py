@@ -14,6 +14,7 @@ from loopelastica._checks import file_name, whole
 from loopelastica.nanostructures.design import Design, HelixAxis
 from loopelastica.nanostructures.oxdna.checks import check_start
 from loopelastica.nanostructures.scadnano.file import load
+from loopelastica.nanostructures.scadnano.fitting import Crossings, fitted
 from loopelastica.nanostructures.scadnano.helices import Helices, helices_of
 from loopelastica.nanostructures.scadnano.layout import (
     NOT_GIVEN,
@@ -27,7 +28,7 @@ from loopelastica.nanostructures.system import System
 _BASES = np.array(["A", "C", "G", "T"])
 
 
-def read_design(path: str | PathLike[str], seed: int = 0) -> Design:
+def read_design(path: str | PathLike[str], seed: int = 0, *, fit: bool = False) -> Design:
     """Read a design of scadnano and place what is paired.
 
     Two bases at one offset of a helix, of a forward and a reverse strand, are partners and are
@@ -43,6 +44,9 @@ def read_design(path: str | PathLike[str], seed: int = 0) -> Design:
     seed : int
         Partners without a sequence get random complementary bases, drawn from this seed. Other
         nucleotides without a sequence are T.
+    fit : bool
+        Whether helices are moved so that strands can cross between them, in place of staying where
+        they are drawn.
 
     Returns
     -------
@@ -65,9 +69,17 @@ def read_design(path: str | PathLike[str], seed: int = 0) -> Design:
     base, filled = _bases(drawn.base, pair, seed)
     on = np.flatnonzero(drawn.helix >= 0)
     row, steps = helices.rows(drawn.helix[on]), steps_along(drawn)[on]
+    n3, n5 = _neighbours(drawn.strand, [strand.circular for strand in file.strands])
+    moved = ""
+    if fit:
+        first = np.flatnonzero((n3 >= 0) & (pair >= 0))
+        ends = np.stack([first, n3[first]])
+        ends = ends[:, (pair[ends[1]] >= 0) & (drawn.helix[ends[0]] != drawn.helix[ends[1]])]
+        at = np.searchsorted(on, ends)
+        crossings = Crossings(row[at], steps[at], drawn.forward[ends])
+        helices, moved = fitted(helices, crossings, _extent(len(helices.index), row, steps))
     centre, a1, a3 = (np.zeros((len(base), 3)) for _ in range(3))
     centre[on], a1[on], a3[on] = helices.place(row, steps, drawn.forward[on])
-    n3, n5 = _neighbours(drawn.strand, [strand.circular for strand in file.strands])
     system = System(
         name=file.name,
         base=base,
@@ -85,6 +97,8 @@ def read_design(path: str | PathLike[str], seed: int = 0) -> Design:
         rna=np.zeros(len(file.strands), dtype=bool),
         box=np.zeros(3),
     )
+    faults = check_start(system)
+    hint = "with fitted helices (option `helices`) strands can cross by bonds inside of the window"
     return Design(
         system=system,
         axes=tuple(_axes(helices, row, steps)),
@@ -92,7 +106,11 @@ def read_design(path: str | PathLike[str], seed: int = 0) -> Design:
         offset=drawn.offset,
         drawn=drawn.drawn,
         # what is drawn so that a simulation cannot begin with it as it is
-        notes=(*file.notes, *filled, *check_start(system).notes()),
+        notes=(
+            *(*file.notes, *filled, *faults.notes()),
+            *(note for note in (moved,) if note),
+            *(note for note in (hint,) if len(faults.broken) and not fit),
+        ),
     )
 
 
@@ -134,6 +152,14 @@ def _neighbours(strand: Ints, circular: list[bool]) -> tuple[Ints, Ints]:
     n3[last] = np.where(circular, first, -1)
     n5[first] = np.where(circular, last, -1)
     return n3, n5
+
+
+def _extent(count: int, row: Ints, steps: Array) -> Array:
+    """First and last base drawn on each of so many helices (count, 2); 0 where there is none."""
+    extent = np.stack([np.full(count, np.inf), np.full(count, -np.inf)], axis=1)
+    np.minimum.at(extent[:, 0], row, steps)
+    np.maximum.at(extent[:, 1], row, steps)
+    return np.where(np.isfinite(extent), extent, 0.0)
 
 
 def _axes(helices: Helices, row: Ints, steps: Array) -> Iterator[HelixAxis]:
