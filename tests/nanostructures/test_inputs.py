@@ -94,5 +94,5 @@ def test_a_path_that_is_none_is_named(path):
 
 def test_helices_of_oxdna_are_not_fitted(tmp_path):
     top, _ = touched(tmp_path, "a.top", "a.dat")
-    with pytest.raises(ValueError, match=r"`helices` .* a\.top is of oxDNA"):
+    with pytest.raises(ValueError, match=r"`helices` .*a\.top is of oxDNA"):
         read_input(top, NanostructureOptions(helices="fitted"))
