@@ -60,9 +60,24 @@ def test_parameters_and_results_are_explained_as_numpydoc_wants_them(call):
         (lambda: le.find_hairpins(HAIRPIN, pairs="A.1-A.9"), "find_hairpins takes no .* `pair`"),
         (lambda: le.build_atoms(HAIRPIN, None, try_=1), "build_atoms takes no `try_`"),
         (lambda: le.fold(HAIRPIN, zzz=1), "fold takes no `zzz`; it takes `free_spin`, "),
-        (lambda: le.fold(HAIRPIN, True), "fold takes one argument without a name, the structure"),
+        (lambda: le.fold(HAIRPIN, True), "fold takes one argument beside its options, `structure`"),
+        (lambda: le.fill(), "fill takes one argument beside its options, `structure`"),
     ],
 )
 def test_a_keyword_that_is_unknown_gets_a_sentence_with_the_nearest(call, near):
     with pytest.raises(TypeError, match=near):
+        call()
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: le.fold(structure="absent.pdb"),
+        lambda: le.scan(structure="absent.pdb"),
+        lambda: le.fill(structure="absent.pdb"),
+        lambda: le.nanostructure(path="absent.top"),
+    ],
+)
+def test_what_is_read_may_be_given_by_name(call):
+    with pytest.raises(le.StructureError, match="absent"):
         call()

@@ -31,7 +31,7 @@ from loopelastica.rod.equilibria import Equilibria, equilibria
 
 
 @keywords(FoldOptions)
-def fold(structure: Any, /, options: FoldOptions) -> Folds:
+def fold(structure: Any, options: FoldOptions) -> Folds:
     """Fold every hairpin loop of a structure: elastic lines between the ends of its stem.
 
     Several answers are given for each loop, each with its shape and the error to expect of it:

@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, fields
 from functools import update_wrapper
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 from loopelastica._checks import (
     Check,
@@ -210,19 +210,23 @@ def keywords(
 
     def decorator(function: Callable[[Any, _O], _R]) -> Callable[Concatenate[Any, _P], _R]:
         names = option_names(options)
+        first = next(iter(inspect.signature(function).parameters))
+        made: Callable[..., _O] = options
 
-        def taking(structure: Any, /, *args: _P.args, **kwargs: _P.kwargs) -> _R:
-            if args:
+        def taking(*given: Any, **kwargs: Any) -> _R:
+            if first in kwargs:
+                given = (*given, kwargs.pop(first))
+            if len(given) != 1:
                 raise TypeError(
-                    f"{function.__name__} takes one argument without a name, the structure; options"
-                    " have names"
+                    f"{function.__name__} takes one argument beside its options, `{first}`;"
+                    " options have names"
                 )
             known_keywords(function.__name__, kwargs, names)
-            return function(structure, options(*args, **kwargs))
+            return function(given[0], made(**kwargs))
 
         update_wrapper(taking, function)
         show_options(taking, options)
-        return taking
+        return cast(Callable[Concatenate[Any, _P], _R], taking)
 
     return decorator
 

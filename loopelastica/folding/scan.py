@@ -127,7 +127,7 @@ class LoopScan(Record):
 
 
 @keywords(ScanOptions)
-def scan(structure: Any, /, options: ScanOptions) -> list[LoopScan]:
+def scan(structure: Any, options: ScanOptions) -> list[LoopScan]:
     """Solve every feasible clamp of every loop (first model) and rank all by energy, touching last.
 
     Parameters
