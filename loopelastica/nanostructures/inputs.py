@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
@@ -75,6 +75,8 @@ def read_input(path: Any, options: NanostructureOptions) -> Input:
     """
     place = Path(file_name("path", path))
     kind = kind_of(place)
+    if not (kind in _OXDNA or place.exists()):  # of a pair either file may be missing
+        raise StructureError(f"{name_of(place)}: there is no such file")
     if kind not in (DESIGN, *_OXDNA) or place.is_dir():
         what = "this is a folder" if place.is_dir() else f"the name ends in {kind!r}"
         raise StructureError(
@@ -90,15 +92,21 @@ def read_input(path: Any, options: NanostructureOptions) -> Input:
         design = read_design(place, options.seed)
         return Input(design.system, design, None, (place,), design.notes)
     files = read_oxdna(path, options.other, any_bases=options.pairs == "geometry")
-    return Input(files.system, None, files, (files.topology, files.configuration), _frames(files))
+    paths = (files.topology, files.configuration)
+    return Input(files.system, None, files, paths, tuple(_notes(files, options)))
 
 
-def _frames(files: OxdnaFiles) -> tuple[str, ...]:
-    if files.n_frames == 1:
-        return ()
-    return (
-        f"{name_of(files.configuration)} has {files.n_frames} frames; frame {files.frame} was read",
-    )
+def _notes(files: OxdnaFiles, options: NanostructureOptions) -> Iterator[str]:
+    if files.n_frames > 1:
+        name = name_of(files.configuration)
+        yield f"{name} has {files.n_frames} frames; frame {files.frame} was read"
+    if (files.system.pair < 0).all():
+        remedy = (
+            "; of a file without sequences, the option pairs=geometry finds them"
+            if options.pairs == "energy"
+            else ""
+        )
+        yield f"no base pair was found, so every nucleotide stays where it is{remedy}"
 
 
 def designs_of(sources: Iterable[str]) -> tuple[list[tuple[str, str | None]], list[str]]:

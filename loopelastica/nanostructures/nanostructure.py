@@ -256,9 +256,10 @@ class Nanostructure(Record):
         Parameters
         ----------
         path : str or Path
-            A name that ends in .top or .dat is that of a topology and a configuration of one stem,
-            one in .pdb or .cif that of a trace of backbone sites; anything else is a folder, which
-            gets all of these, samples, <stem>.json and scripts for viewers.
+            A name that ends in .top, .dat, .oxdna or .conf is that of a topology and a
+            configuration of one stem, one in .pdb, .cif or .mmcif that of a trace of backbone
+            sites, one in .oxview a file for oxView; anything else is a folder, which gets all of
+            these, samples, <stem>.json and a script for PyMOL.
         form : {"old", "new"}, optional
             Of the topology: four columns, or a line per strand.
 
@@ -269,6 +270,8 @@ class Nanostructure(Record):
 
         Raises
         ------
+        ValueError
+            If the name or the form is none.
         StructureError
             If a strand was refused: nothing is written then.
         OutputError
@@ -276,7 +279,7 @@ class Nanostructure(Record):
         """
         from loopelastica.report.nanostructure import write_nanostructure
 
-        return write_nanostructure(Path(path), self, form)
+        return write_nanostructure(path, self, form)
 
     def __repr__(self) -> str:
         laid = len(self.strands) - len(self.refused)

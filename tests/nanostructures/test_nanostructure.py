@@ -179,8 +179,30 @@ def test_names_of_files_say_what_is_written(hairpin, tmp_path):
     found.write(tmp_path / "a.dat")
     found.write(str(tmp_path / "b.pdb"))
     found.write(tmp_path / "c.cif")
-    written = {path.name for path in tmp_path.iterdir()} - {"design.sc"}
-    assert written == {"a.top", "a.dat", "b.pdb", "c.cif"}
+    found.write(tmp_path / "d.conf")
+    found.write(tmp_path / "e.mmcif")
+    found.write(tmp_path / "f.oxview")
+    written = {path.name for path in tmp_path.iterdir() if path.is_file()} - {"design.sc"}
+    pairs = {"a.top", "a.dat", "d.top", "d.conf"}
+    assert written == pairs | {"b.pdb", "c.cif", "e.mmcif", "f.oxview"}
+    assert (tmp_path / "d.conf").read_bytes() == (tmp_path / "a.dat").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["", " ", None, 3])
+def test_a_name_that_is_none_is_refused_and_nothing_written(hairpin, tmp_path, monkeypatch, name):
+    found = nanostructure(hairpin)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match=r"`path` is .*; it must be the name of a file"):
+        found.write(name)
+    assert [path.name for path in tmp_path.iterdir()] == ["design.sc"]
+
+
+@pytest.mark.parametrize("taken", ["a.top", "a.dat"])
+def test_of_a_pair_both_files_are_written_or_none(hairpin, tmp_path, taken):
+    (tmp_path / taken).mkdir()
+    with pytest.raises(OutputError, match=f"{taken}: this is a folder"):
+        nanostructure(hairpin).write(tmp_path / "a.top")
+    assert {path.name for path in tmp_path.iterdir()} == {"design.sc", taken}
 
 
 @pytest.mark.parametrize("name", ["given.dat", "given.top", "."])
@@ -230,8 +252,13 @@ def test_pairs_by_geometry_are_found_without_bases(tmp_path):
     topology = oxdna_pair(made.hairpin("GCGTAC", "TTTTTT"), tmp_path / "given")
     text = topology.read_text()
     topology.write_text("".join(c if c not in "ACG" else "T" for c in text))
-    assert (nanostructure(topology).system.pair >= 0).sum() == 0
-    assert (nanostructure(topology, pairs="geometry").system.pair >= 0).sum() == 12
+    none = nanostructure(topology)
+    assert (none.system.pair >= 0).sum() == 0
+    (note,) = (note for note in none.notes if "no base pair was found" in note)
+    assert note.endswith("the option pairs=geometry finds them")
+    found = nanostructure(topology, pairs="geometry")
+    assert (found.system.pair >= 0).sum() == 12
+    assert not any("no base pair" in note for note in found.notes)
 
 
 def test_the_record_names_inputs_options_strands_and_checks(hairpin, tmp_path):
@@ -247,7 +274,8 @@ def test_the_record_names_inputs_options_strands_and_checks(hairpin, tmp_path):
     assert 0.5064 < low <= high < 1.0064
     assert record["checks"]["closest_centres"] > 0.4
     (strand,) = record["strands"]
-    assert strand["lines"] == list(range(12, 18))
+    # the old form lists a strand from 3' to 5'
+    assert strand["lines"] == list(range(17, 11, -1))
     assert set(record["files"]) == {p.name for p in tmp_path.glob("design.*")} - {"design.sc"}
 
 
