@@ -8,7 +8,7 @@ and at ends their places, or refuses them by name.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
@@ -27,7 +27,7 @@ from loopelastica.nanostructures.singles import Single
 from loopelastica.nanostructures.system import System
 
 if TYPE_CHECKING:
-    from loopelastica.nanostructures.laying.laid import LaidStrand, Sample
+    from loopelastica.nanostructures.laying.laid import Conflict, LaidStrand, Sample
     from loopelastica.nanostructures.oxdna.topology import Form
 
 STRAND_COLUMNS = (
@@ -176,14 +176,21 @@ class Nanostructure(Record):
             if strand.remark:
                 # what differs between strands of one kind comes behind the colon
                 alike.setdefault(strand.remark.partition(":")[0], []).append(strand)
-        clashes = {
-            frozenset((one.first, one.second)): one.sentence
-            for strand in self.strands
-            for one in strand.conflicts
-        }
+        clashes = _sentences(one for strand in self.strands for one in strand.conflicts)
         if clashes:
-            first, *more = clashes.values()
+            first, *more = clashes
             yield f"{len(more) + 1} conflicts; the first: {first}" if more else first
+        crowded = {
+            k: _sentences(sample.conflicts)
+            for k, sample in enumerate(self.samples, 1)
+            if sample.conflicts
+        }
+        if crowded:
+            number, (first, *_) = next(iter(crowded.items()))
+            yield (
+                f"{len(crowded)} of {len(self.samples)} samples with conflicts; the first, of sample"
+                f" {number}: {first}"
+            )
         for kind, strands in alike.items():
             name, remark = strands[0].label, strands[0].remark
             if len(strands) == 1:
@@ -303,6 +310,11 @@ class Nanostructure(Record):
 
 
 _SHOWN = 50
+
+
+def _sentences(conflicts: Iterable[Conflict]) -> list[str]:
+    """One for each pair of nucleotides, though both of their strands name it."""
+    return list({frozenset((one.first, one.second)): one.sentence for one in conflicts}.values())
 
 
 def _cell(value: Any) -> str:

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import helix_designs as designs
@@ -13,6 +14,7 @@ import strands as made
 import loopelastica as le
 from loopelastica._files import OutputError
 from loopelastica.errors import StructureError
+from loopelastica.nanostructures.laying.laid import Conflict
 from loopelastica.nanostructures.nanostructure import STRAND_COLUMNS, nanostructure
 from loopelastica.nanostructures.oxdna.files import read_oxdna
 from loopelastica.nanostructures.scadnano.reading import read_design
@@ -246,6 +248,16 @@ def test_many_notes_of_one_kind_are_one(tmp_path):
     coils = [note for note in found.notes if "random coil" in note]
     assert len(coils) == 1
     assert coils[0].startswith("5 single strands")
+
+
+def test_samples_in_conflict_are_counted_and_the_first_is_named(hairpin):
+    found = nanostructure(hairpin, sample=3)
+    assert not any("samples" in note for note in found.notes)
+    clash = Conflict(first=12, second=3, distance=0.3, energy=9.0, sentence="one hits the other")
+    one, *others = found.samples
+    crowded = [replace(sample, conflicts=(clash, clash)) for sample in others]
+    (note,) = (note for note in replace(found, samples=(one, *crowded)).notes if "samples" in note)
+    assert note.startswith("2 of 3 samples with conflicts; the first, of sample 2: one hits")
 
 
 def test_pairs_by_geometry_are_found_without_bases(tmp_path):
