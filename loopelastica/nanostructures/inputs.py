@@ -23,6 +23,7 @@ from loopelastica.nanostructures.oxdna.files import (
     read_oxdna,
     uncompressed,
 )
+from loopelastica.nanostructures.oxdna.pairing import are_bases_given
 from loopelastica.nanostructures.scadnano.reading import read_design
 from loopelastica.nanostructures.system import System
 
@@ -100,13 +101,16 @@ def _notes(files: OxdnaFiles, options: NanostructureOptions) -> Iterator[str]:
     if files.n_frames > 1:
         name = name_of(files.configuration)
         yield f"{name} has {files.n_frames} frames; frame {files.frame} was read"
+    by_energy = options.pairs == "energy"
+    given = are_bases_given(files.system.base)
     if (files.system.pair < 0).all():
-        remedy = (
-            "; of a file without sequences, the option pairs=geometry finds them"
-            if options.pairs == "energy"
-            else ""
-        )
+        remedy = "; the option pairs=geometry would take any bases" if by_energy and given else ""
         yield f"no base pair was found, so every nucleotide stays where it is{remedy}"
+    elif by_energy and not given:
+        yield (
+            "no two bases of the file are complementary, as in exports without sequences, so its"
+            " pairs were found by geometry"
+        )
 
 
 def designs_of(sources: Iterable[str]) -> tuple[list[tuple[str, str | None]], list[str]]:

@@ -188,8 +188,8 @@ class Nanostructure(Record):
         if crowded:
             number, (first, *_) = next(iter(crowded.items()))
             yield (
-                f"{len(crowded)} of {len(self.samples)} samples with conflicts; the first, of sample"
-                f" {number}: {first}"
+                f"{len(crowded)} of {len(self.samples)} samples with conflicts; the first, of"
+                f" sample {number}: {first}"
             )
         for kind, strands in alike.items():
             name, remark = strands[0].label, strands[0].remark

@@ -260,17 +260,42 @@ def test_samples_in_conflict_are_counted_and_the_first_is_named(hairpin):
     assert note.startswith("2 of 3 samples with conflicts; the first, of sample 2: one hits")
 
 
-def test_pairs_by_geometry_are_found_without_bases(tmp_path):
-    topology = oxdna_pair(made.hairpin("GCGTAC", "TTTTTT"), tmp_path / "given")
+def without(bases, instead, topology):
     text = topology.read_text()
-    topology.write_text("".join(c if c not in "ACG" else "T" for c in text))
+    topology.write_text("".join(instead if c in bases else c for c in text))
+
+
+def test_pairs_of_bases_that_do_not_fit_are_found_by_geometry(tmp_path):
+    topology = oxdna_pair(made.hairpin("GCGCGC", "TTTTTA"), tmp_path / "given")
+    without("CG", "C", topology)
     none = nanostructure(topology)
     assert (none.system.pair >= 0).sum() == 0
     (note,) = (note for note in none.notes if "no base pair was found" in note)
-    assert note.endswith("the option pairs=geometry finds them")
+    assert note.endswith("the option pairs=geometry would take any bases")
     found = nanostructure(topology, pairs="geometry")
     assert (found.system.pair >= 0).sum() == 12
-    assert not any("no base pair" in note for note in found.notes)
+    assert not any("pair" in note for note in found.notes)
+
+
+def test_pairs_of_a_file_without_sequences_are_found_and_it_is_said_how(tmp_path):
+    topology = oxdna_pair(made.hairpin("GCGTAC", "TTTTTT"), tmp_path / "given")
+    without("ACG", "T", topology)
+    found = nanostructure(topology)
+    assert (found.system.pair >= 0).sum() == 12
+    assert any(note.endswith("its pairs were found by geometry") for note in found.notes)
+    (strand,) = found.strands
+    assert (strand.kind, len(strand)) == ("hairpin", 6)
+
+
+def test_a_strand_of_one_base_is_paired_with_nothing_and_stays(tmp_path):
+    centre = np.arange(8)[:, None] * np.array([0.0, 0.0, 0.7])
+    a1, a3 = np.tile([1.0, 0, 0], (8, 1)), np.tile([0, 0, 1.0], (8, 1))
+    topology = oxdna_pair(made.system_of([("T" * 8, centre, a1, a3)]), tmp_path / "given")
+    found = nanostructure(topology)
+    assert (found.system.pair < 0).all()
+    assert any(note.endswith("every nucleotide stays where it is") for note in found.notes)
+    found.write(tmp_path / "out.top")
+    assert lines_of(tmp_path / "out.dat") == lines_of(tmp_path / "given.dat")
 
 
 def test_the_record_names_inputs_options_strands_and_checks(hairpin, tmp_path):

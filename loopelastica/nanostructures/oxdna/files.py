@@ -26,7 +26,7 @@ from loopelastica.nanostructures.oxdna.configuration import (
     parse_configuration,
 )
 from loopelastica.nanostructures.oxdna.energies import nearest_image
-from loopelastica.nanostructures.oxdna.pairing import find_pairs
+from loopelastica.nanostructures.oxdna.pairing import are_bases_given, find_pairs
 from loopelastica.nanostructures.oxdna.topology import (
     Form,
     parse_topology,
@@ -96,7 +96,8 @@ def read_oxdna(
     other : path-like, optional
         The other one; default: beside `path`, of the same stem.
     any_bases : bool, optional
-        Find pairs by geometry alone: for designs without sequences, whose bases do not fit.
+        Find pairs by geometry alone: for designs without sequences, whose bases do not fit. Where
+        no two bases of the file are complementary, this is done in any case.
 
     Returns
     -------
@@ -129,7 +130,8 @@ def read_oxdna(
         rna=top.rna,
         box=conf.box,
     )
-    system = replace(system, pair=find_pairs(system, any_bases))
+    by_geometry = any_bases or not are_bases_given(system.base)
+    system = replace(system, pair=find_pairs(system, by_geometry))
     image = _images(system)
     system = replace(system, centre=system.centre + image * system.box)
     return OxdnaFiles(
