@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
@@ -23,6 +23,7 @@ from loopelastica.nanostructures.oxdna.files import (
     read_oxdna,
     uncompressed,
 )
+from loopelastica.nanostructures.oxdna.pairing import are_bases_given
 from loopelastica.nanostructures.scadnano.reading import read_design
 from loopelastica.nanostructures.system import System
 
@@ -75,11 +76,14 @@ def read_input(path: Any, options: NanostructureOptions) -> Input:
     """
     place = Path(file_name("path", path))
     kind = kind_of(place)
-    if kind not in (DESIGN, *_OXDNA) or place.is_dir():
-        what = "this is a folder" if place.is_dir() else f"the name ends in {kind!r}"
+    if not (kind in _OXDNA or place.exists()):  # of a pair either file may be missing
+        raise StructureError(f"{name_of(place)}: there is no such file")
+    if place.is_dir():
+        raise StructureError(f"{name_of(place)}: {_folder(place)}")
+    if kind not in (DESIGN, *_OXDNA):
         raise StructureError(
-            f"{name_of(place)}: {what}; a design of scadnano ({DESIGN}) or a file of oxDNA"
-            f" ({', '.join(_OXDNA)}) is needed"
+            f"{name_of(place)}: the name ends in {kind!r}; a design of scadnano ({DESIGN}) or a file"
+            f" of oxDNA ({', '.join(_OXDNA)}) is needed"
         )
     if kind == DESIGN:
         if options.other is not None:
@@ -95,15 +99,33 @@ def read_input(path: Any, options: NanostructureOptions) -> Input:
             " stay where they are"
         )
     files = read_oxdna(path, options.other, any_bases=options.pairs == "geometry")
-    return Input(files.system, None, files, (files.topology, files.configuration), _frames(files))
+    paths = (files.topology, files.configuration)
+    return Input(files.system, None, files, paths, tuple(_notes(files, options)))
 
 
-def _frames(files: OxdnaFiles) -> tuple[str, ...]:
-    if files.n_frames == 1:
-        return ()
-    return (
-        f"{name_of(files.configuration)} has {files.n_frames} frames; frame {files.frame} was read",
-    )
+def _folder(place: Path) -> str:
+    if _files_of(str(place)) == [str(place)]:
+        return (
+            f"this folder has no design of scadnano ({DESIGN}) and no topology of oxDNA ({TOPOLOGY})"
+            " but what this program has written"
+        )
+    return "this is a folder; one of the designs in it is needed"
+
+
+def _notes(files: OxdnaFiles, options: NanostructureOptions) -> Iterator[str]:
+    if files.n_frames > 1:
+        name = name_of(files.configuration)
+        yield f"{name} has {files.n_frames} frames; frame {files.frame} was read"
+    by_energy = options.pairs == "energy"
+    given = are_bases_given(files.system.base)
+    if (files.system.pair < 0).all():
+        remedy = "; the option pairs=geometry would take any bases" if by_energy and given else ""
+        yield f"no base pair was found, so every nucleotide stays where it is{remedy}"
+    elif by_energy and not given:
+        yield (
+            "no two bases of the file are complementary, as in exports without sequences, so its"
+            " pairs were found by geometry"
+        )
 
 
 def designs_of(sources: Iterable[str]) -> tuple[list[tuple[str, str | None]], list[str]]:

@@ -8,7 +8,7 @@ and at ends their places, or refuses them by name.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
@@ -27,7 +27,7 @@ from loopelastica.nanostructures.singles import Single
 from loopelastica.nanostructures.system import System
 
 if TYPE_CHECKING:
-    from loopelastica.nanostructures.laying.laid import LaidStrand, Sample
+    from loopelastica.nanostructures.laying.laid import Conflict, LaidStrand, Sample
     from loopelastica.nanostructures.oxdna.topology import Form
 
 STRAND_COLUMNS = (
@@ -176,14 +176,21 @@ class Nanostructure(Record):
             if strand.remark:
                 # what differs between strands of one kind comes behind the colon
                 alike.setdefault(strand.remark.partition(":")[0], []).append(strand)
-        clashes = {
-            frozenset((one.first, one.second)): one.sentence
-            for strand in self.strands
-            for one in strand.conflicts
-        }
+        clashes = _sentences(one for strand in self.strands for one in strand.conflicts)
         if clashes:
-            first, *more = clashes.values()
+            first, *more = clashes
             yield f"{len(more) + 1} conflicts; the first: {first}" if more else first
+        crowded = {
+            k: _sentences(sample.conflicts)
+            for k, sample in enumerate(self.samples, 1)
+            if sample.conflicts
+        }
+        if crowded:
+            number, (first, *_) = next(iter(crowded.items()))
+            yield (
+                f"{len(crowded)} of {len(self.samples)} samples with conflicts; the first, of"
+                f" sample {number}: {first}"
+            )
         for kind, strands in alike.items():
             name, remark = strands[0].label, strands[0].remark
             if len(strands) == 1:
@@ -256,9 +263,10 @@ class Nanostructure(Record):
         Parameters
         ----------
         path : str or Path
-            A name that ends in .top or .dat is that of a topology and a configuration of one stem,
-            one in .pdb or .cif that of a trace of backbone sites; anything else is a folder, which
-            gets all of these, samples, <stem>.json and scripts for viewers.
+            A name that ends in .top, .dat, .oxdna or .conf is that of a topology and a
+            configuration of one stem, one in .pdb, .cif or .mmcif that of a trace of backbone
+            sites, one in .oxview a file for oxView; anything else is a folder, which gets all of
+            these, samples, <stem>.json and a script for PyMOL.
         form : {"old", "new"}, optional
             Of the topology: four columns, or a line per strand.
 
@@ -269,6 +277,8 @@ class Nanostructure(Record):
 
         Raises
         ------
+        ValueError
+            If the name or the form is none.
         StructureError
             If a strand was refused: nothing is written then.
         OutputError
@@ -276,7 +286,7 @@ class Nanostructure(Record):
         """
         from loopelastica.report.nanostructure import write_nanostructure
 
-        return write_nanostructure(Path(path), self, form)
+        return write_nanostructure(path, self, form)
 
     def __repr__(self) -> str:
         laid = len(self.strands) - len(self.refused)
@@ -300,6 +310,11 @@ class Nanostructure(Record):
 
 
 _SHOWN = 50
+
+
+def _sentences(conflicts: Iterable[Conflict]) -> list[str]:
+    """One for each pair of nucleotides, though both of their strands name it."""
+    return list({frozenset((one.first, one.second)): one.sentence for one in conflicts}.values())
 
 
 def _cell(value: Any) -> str:

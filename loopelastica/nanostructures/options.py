@@ -19,7 +19,8 @@ class NanostructureOptions(Options):
         Of a pair of oxDNA files the other one; default: beside the first, of the same stem.
     pairs : {"energy", "geometry"}
         Base pairs of oxDNA files: by the energy of hydrogen bonds between complementary bases, or
-        by geometry alone, as if all bases fitted, for designs without sequences.
+        by geometry alone, as if all bases fitted, for designs whose sequences do not. Files without
+        any complementary bases are taken by geometry in both cases.
     helices : {"drawn", "fitted"}
         Helices of a design: where it draws them, or shifted, rolled and turned so that strands can
         cross between them by bonds of the model.

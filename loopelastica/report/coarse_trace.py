@@ -14,6 +14,7 @@ from typing import Any, Final
 
 import gemmi
 import numpy as np
+from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica._version import __version__
@@ -185,16 +186,30 @@ def pymol_text(found: Nanostructure, trace_file: str) -> str:
     return "\n".join([*lines, ""])
 
 
-def oxview_text(found: Nanostructure) -> str:
-    """The nanostructure in the format of oxView, with base pairs and colours."""
+def oxview_text(found: Nanostructure, line: NDArray[np.int64]) -> str:
+    """The nanostructure in the format of oxView, with base pairs and colours.
+
+    Parameters
+    ----------
+    found : Nanostructure
+    line : (n,) array of int
+        Line of each nucleotide in the configuration, which is its number in oxView too, so that a
+        trajectory fits.
+
+    Returns
+    -------
+    str
+    """
     system = found.system
+    # of each nucleotide, and −1 for none
+    number = np.append(line, -1)
     box = system.box if (system.box > 0).all() else box_of(system)
     monomers: list[list[dict[str, Any]]] = [[] for _ in system.strand_name]
     strand = system.strand.tolist()
     columns = zip(
         system.base.tolist(),
         *(np.round(x, 9).tolist() for x in (system.centre, system.a1, system.a3)),
-        *(x.tolist() for x in (system.n3, system.n5, system.pair)),
+        *(number[x].tolist() for x in (system.n3, system.n5, system.pair)),
         strict=True,
     )
     rows = list(columns)
@@ -202,7 +217,7 @@ def oxview_text(found: Nanostructure) -> str:
         base, p, a1, a3, n3, n5, pair = rows[i]
         neighbours = {"n3": n3, "n5": n5, "bp": pair}
         monomer = {
-            "id": i,
+            "id": int(line[i]),
             "type": base,
             "class": "RNA" if system.rna[strand[i]] else "DNA",
             "p": p,

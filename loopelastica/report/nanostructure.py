@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from loopelastica._checks import one_of
+from loopelastica._checks import file_name, one_of
 from loopelastica._files import PROGRAM, is_whole, whole_folder, write_json, write_text
 from loopelastica._names import printable, safe_stem
 from loopelastica._version import __version__
@@ -21,6 +22,7 @@ from loopelastica.nanostructures.nanostructure import Nanostructure
 from loopelastica.nanostructures.oxdna.checks import closest_centres
 from loopelastica.nanostructures.oxdna.energies import bonds
 from loopelastica.nanostructures.oxdna.files import (
+    CONFIGURATIONS,
     TOPOLOGY,
     line_order,
     oxdna_texts,
@@ -38,18 +40,18 @@ from loopelastica.report.coarse_trace import (
 )
 
 CONFIGURATION: Final = ".dat"
-_PAIR: Final = (TOPOLOGY, CONFIGURATION)
-_TRACES: Final = (".pdb", ".cif")
+_TRACES: Final = (".cif", ".mmcif", ".pdb")
+_OXVIEW: Final = ".oxview"
 _KEY: Final = ("version", "sha256", "parameters", "form")
 """Entries of the manifest that determine all else."""
 
 
-def write_nanostructure(path: Path, found: Nanostructure, form: Form = "old") -> Path:
+def write_nanostructure(name: str | Path, found: Nanostructure, form: Form = "old") -> Path:
     """Write a nanostructure into the files that a name stands for, or into a folder.
 
     Parameters
     ----------
-    path : Path
+    name : str or Path
         As for :meth:`Nanostructure.write`.
     found : Nanostructure
         What was laid.
@@ -63,20 +65,26 @@ def write_nanostructure(path: Path, found: Nanostructure, form: Form = "old") ->
 
     Raises
     ------
+    ValueError
+        If the name or the form is none.
     StructureError
         If a strand was refused, or the format does not hold it.
     OutputError
         If it cannot be written.
     """
+    path = Path(file_name("path", name))
     one_of("old", "new")("form", form)
     refuse_incomplete(found)
     suffix = path.suffix.lower()
-    if suffix in _PAIR:
-        pair = (path.with_suffix(kind) for kind in _PAIR)
-        write_oxdna(found.system, *pair, form=form, files=found.files)
+    if suffix in (TOPOLOGY, *CONFIGURATIONS):
+        topology = path if suffix == TOPOLOGY else path.with_suffix(TOPOLOGY)
+        configuration = path if suffix in CONFIGURATIONS else path.with_suffix(CONFIGURATION)
+        write_oxdna(found.system, topology, configuration, form=form, files=found.files)
+    elif suffix == _OXVIEW:
+        write_text(path, oxview_text(found, _lines(found, form)))
     elif suffix in _TRACES:
         structure = trace(found)
-        text = mmcif_text(structure) if suffix == ".cif" else pdb_text(structure)
+        text = pdb_text(structure) if suffix == ".pdb" else mmcif_text(structure)
         if text is None:
             raise StructureError(
                 f"{path}: the PDB format does not hold so many strands or nucleotides; name it"
@@ -172,8 +180,13 @@ def _texts(stem: str, found: Nanostructure, form: Form) -> dict[str, str]:
         texts[f"{stem}.pdb"] = pdb
     texts[f"{stem}.pml"] = pymol_text(found, f"{stem}.cif")
     if any(found.system.colour):
-        texts[f"{stem}.oxview"] = oxview_text(found)
+        texts[f"{stem}{_OXVIEW}"] = oxview_text(found, _lines(found, form))
     return texts
+
+
+def _lines(found: Nanostructure, form: Form) -> NDArray[np.int64]:
+    """Line of each nucleotide in the configuration, from 0."""
+    return np.argsort(line_order(found.system, form, found.files))
 
 
 def record_of(found: Nanostructure, form: Form) -> dict[str, Any]:
@@ -189,8 +202,7 @@ def record_of(found: Nanostructure, form: Form) -> dict[str, Any]:
     dict
         JSON-ready. Lengths in nm where their names say so, else in oxDNA's units.
     """
-    system = found.system
-    line = np.argsort(line_order(system, form, found.files))
+    system, line = found.system, _lines(found, form)
     strands = [
         {
             **found.row(strand),
@@ -229,7 +241,7 @@ def record_of(found: Nanostructure, form: Form) -> dict[str, Any]:
 
 
 def checks_of(found: Nanostructure) -> dict[str, Any]:
-    """Whether a simulation can start from it, in oxDNA's units.
+    """Whether a simulation can start from it, in oxDNA's units; not where a strand was refused.
 
     Parameters
     ----------
@@ -242,7 +254,7 @@ def checks_of(found: Nanostructure) -> dict[str, Any]:
     """
     start, length = found.check(), bonds(found.system).length
     return {
-        "sound": start.sound,
+        "sound": start.sound and not found.refused,
         "bond_window": [round(BOND_SHORTEST, 4), round(BOND_LONGEST, 4)],
         "bonds": [_rounded(length.min()), _rounded(length.max())] if len(length) else None,
         "bonds_outside": len(start.broken),

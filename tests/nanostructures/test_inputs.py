@@ -86,6 +86,12 @@ def test_a_design_of_scadnano_has_no_other_file(tmp_path):
         read_input(file, NanostructureOptions(other="x.dat"))
 
 
+@pytest.mark.parametrize("name", ["absent.sc", "absent", "absent.txt", "absent.sc.gz"])
+def test_what_is_not_there_is_named_whatever_its_name_ends_in(tmp_path, name):
+    with pytest.raises(StructureError, match=rf"{name}: there is no such file$"):
+        read_input(tmp_path / name, NanostructureOptions())
+
+
 @pytest.mark.parametrize("path", [None, 3, "", ["a.sc"]])
 def test_a_path_that_is_none_is_named(path):
     with pytest.raises(ValueError, match="`path` is"):

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import helix_designs as designs
@@ -13,6 +14,7 @@ import strands as made
 import loopelastica as le
 from loopelastica._files import OutputError
 from loopelastica.errors import StructureError
+from loopelastica.nanostructures.laying.laid import Conflict
 from loopelastica.nanostructures.nanostructure import STRAND_COLUMNS, nanostructure
 from loopelastica.nanostructures.oxdna.files import read_oxdna
 from loopelastica.nanostructures.scadnano.reading import read_design
@@ -179,8 +181,30 @@ def test_names_of_files_say_what_is_written(hairpin, tmp_path):
     found.write(tmp_path / "a.dat")
     found.write(str(tmp_path / "b.pdb"))
     found.write(tmp_path / "c.cif")
-    written = {path.name for path in tmp_path.iterdir()} - {"design.sc"}
-    assert written == {"a.top", "a.dat", "b.pdb", "c.cif"}
+    found.write(tmp_path / "d.conf")
+    found.write(tmp_path / "e.mmcif")
+    found.write(tmp_path / "f.oxview")
+    written = {path.name for path in tmp_path.iterdir() if path.is_file()} - {"design.sc"}
+    pairs = {"a.top", "a.dat", "d.top", "d.conf"}
+    assert written == pairs | {"b.pdb", "c.cif", "e.mmcif", "f.oxview"}
+    assert (tmp_path / "d.conf").read_bytes() == (tmp_path / "a.dat").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["", " ", None, 3])
+def test_a_name_that_is_none_is_refused_and_nothing_written(hairpin, tmp_path, monkeypatch, name):
+    found = nanostructure(hairpin)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match=r"`path` is .*; it must be the name of a file"):
+        found.write(name)
+    assert [path.name for path in tmp_path.iterdir()] == ["design.sc"]
+
+
+@pytest.mark.parametrize("taken", ["a.top", "a.dat"])
+def test_of_a_pair_both_files_are_written_or_none(hairpin, tmp_path, taken):
+    (tmp_path / taken).mkdir()
+    with pytest.raises(OutputError, match=f"{taken}: this is a folder"):
+        nanostructure(hairpin).write(tmp_path / "a.top")
+    assert {path.name for path in tmp_path.iterdir()} == {"design.sc", taken}
 
 
 @pytest.mark.parametrize("name", ["given.dat", "given.top", "."])
@@ -226,12 +250,52 @@ def test_many_notes_of_one_kind_are_one(tmp_path):
     assert coils[0].startswith("5 single strands")
 
 
-def test_pairs_by_geometry_are_found_without_bases(tmp_path):
-    topology = oxdna_pair(made.hairpin("GCGTAC", "TTTTTT"), tmp_path / "given")
+def test_samples_in_conflict_are_counted_and_the_first_is_named(hairpin):
+    found = nanostructure(hairpin, sample=3)
+    assert not any("samples" in note for note in found.notes)
+    clash = Conflict(first=12, second=3, distance=0.3, energy=9.0, sentence="one hits the other")
+    one, *others = found.samples
+    crowded = [replace(sample, conflicts=(clash, clash)) for sample in others]
+    (note,) = (note for note in replace(found, samples=(one, *crowded)).notes if "samples" in note)
+    assert note.startswith("2 of 3 samples with conflicts; the first, of sample 2: one hits")
+
+
+def without(bases, instead, topology):
     text = topology.read_text()
-    topology.write_text("".join(c if c not in "ACG" else "T" for c in text))
-    assert (nanostructure(topology).system.pair >= 0).sum() == 0
-    assert (nanostructure(topology, pairs="geometry").system.pair >= 0).sum() == 12
+    topology.write_text("".join(instead if c in bases else c for c in text))
+
+
+def test_pairs_of_bases_that_do_not_fit_are_found_by_geometry(tmp_path):
+    topology = oxdna_pair(made.hairpin("GCGCGC", "TTTTTA"), tmp_path / "given")
+    without("CG", "C", topology)
+    none = nanostructure(topology)
+    assert (none.system.pair >= 0).sum() == 0
+    (note,) = (note for note in none.notes if "no base pair was found" in note)
+    assert note.endswith("the option pairs=geometry would take any bases")
+    found = nanostructure(topology, pairs="geometry")
+    assert (found.system.pair >= 0).sum() == 12
+    assert not any("pair" in note for note in found.notes)
+
+
+def test_pairs_of_a_file_without_sequences_are_found_and_it_is_said_how(tmp_path):
+    topology = oxdna_pair(made.hairpin("GCGTAC", "TTTTTT"), tmp_path / "given")
+    without("ACG", "T", topology)
+    found = nanostructure(topology)
+    assert (found.system.pair >= 0).sum() == 12
+    assert any(note.endswith("its pairs were found by geometry") for note in found.notes)
+    (strand,) = found.strands
+    assert (strand.kind, len(strand)) == ("hairpin", 6)
+
+
+def test_a_strand_of_one_base_is_paired_with_nothing_and_stays(tmp_path):
+    centre = np.arange(8)[:, None] * np.array([0.0, 0.0, 0.7])
+    a1, a3 = np.tile([1.0, 0, 0], (8, 1)), np.tile([0, 0, 1.0], (8, 1))
+    topology = oxdna_pair(made.system_of([("T" * 8, centre, a1, a3)]), tmp_path / "given")
+    found = nanostructure(topology)
+    assert (found.system.pair < 0).all()
+    assert any(note.endswith("every nucleotide stays where it is") for note in found.notes)
+    found.write(tmp_path / "out.top")
+    assert lines_of(tmp_path / "out.dat") == lines_of(tmp_path / "given.dat")
 
 
 def test_the_record_names_inputs_options_strands_and_checks(hairpin, tmp_path):
@@ -247,7 +311,8 @@ def test_the_record_names_inputs_options_strands_and_checks(hairpin, tmp_path):
     assert 0.5064 < low <= high < 1.0064
     assert record["checks"]["closest_centres"] > 0.4
     (strand,) = record["strands"]
-    assert strand["lines"] == list(range(12, 18))
+    # the old form lists a strand from 3' to 5'
+    assert strand["lines"] == list(range(17, 11, -1))
     assert set(record["files"]) == {p.name for p in tmp_path.glob("design.*")} - {"design.sc"}
 
 

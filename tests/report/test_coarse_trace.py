@@ -90,15 +90,19 @@ def test_pymol_gets_the_colours_of_the_design(found):
 
 
 def test_oxview_gets_places_pairs_and_colours(found):
-    content = json.loads(oxview_text(found))
+    n = len(found.system)
+    # numbers of monomers are lines of a configuration that has another order
+    line = np.arange(n)[::-1]
+    content = json.loads(oxview_text(found, line))
     (system,) = content["systems"]
     monomers = {m["id"]: m for strand in system["strands"] for m in strand["monomers"]}
-    assert sorted(monomers) == list(range(len(found.system)))
-    for i, monomer in monomers.items():
+    assert sorted(monomers) == list(range(n))
+    number = np.append(line, -1)
+    for i, monomer in ((n - 1 - k, monomer) for k, monomer in monomers.items()):
         np.testing.assert_allclose(monomer["p"], found.system.centre[i], atol=1e-8)
         np.testing.assert_allclose(monomer["a1"], found.system.a1[i], atol=1e-8)
-        assert monomer.get("bp", -1) == found.system.pair[i]
-        assert monomer.get("n3", -1) == found.system.n3[i]
+        assert monomer.get("bp", -1) == number[found.system.pair[i]]
+        assert monomer.get("n3", -1) == number[found.system.n3[i]]
     assert [strand["monomers"][0]["color"] for strand in system["strands"]] == [
         0xFF0000,
         0x0078FF,

@@ -49,6 +49,9 @@ class StartCheck(Record):
     distance: Array
     skewed: Index
 
+    def __repr__(self) -> str:
+        return f"<StartCheck: {'; '.join(self.notes()) or 'sound'}>"
+
     @property
     def sound(self) -> bool:
         """Whether nothing is wrong."""
@@ -78,24 +81,28 @@ class StartCheck(Record):
 
     def notes(self) -> Iterator[str]:
         """A sentence for each kind of fault: how many there are, and which is the first."""
-        label, system = self.system.label, self.system
-        for faults, said, so in (
-            (
-                self.broken,
-                "bonds are outside of oxDNA's window",
-                "; it does not start from that before it is relaxed",
-            ),
-            (self.close, f"pairs of nucleotides are nearer to each other than {NEAREST:g}", ""),
-        ):
-            if len(faults):
-                i, j = faults[0]
-                strand = system.strand_name[system.strand[j]]
-                yield f"{len(faults)} {said}, first from {label[i]} to {label[j]} of {strand}{so}"
+        window = "outside of oxDNA's window"
+        rest = "; it does not start from that before it is relaxed"
+        yield from self._note(self.broken, "bond is", "bonds are", window, rest)
+        pairs = ("pair of nucleotides is", "pairs of nucleotides are")
+        yield from self._note(self.close, *pairs, f"nearer to each other than {NEAREST:g}")
         if len(self.skewed):
+            nucleotides = "nucleotides" if len(self.skewed) > 1 else "nucleotide"
             yield (
-                f"axes of {len(self.skewed)} nucleotides are not perpendicular unit vectors, first"
-                f" of {label[self.skewed[0]]}"
+                f"axes of {len(self.skewed)} {nucleotides} are not perpendicular unit vectors,"
+                f" first of {self.system.label[self.skewed[0]]}"
             )
+
+    def _note(self, faults: Index, one: str, many: str, said: str, rest: str = "") -> Iterator[str]:
+        if not len(faults):
+            return
+        i, j = faults[0]
+        label, strand = self.system.label, self.system.strand_name[self.system.strand[j]]
+        place = f"from {label[i]} to {label[j]} of {strand}{rest}"
+        if len(faults) == 1:
+            yield f"1 {one} {said}, {place}"
+        else:
+            yield f"{len(faults)} {many} {said}, first {place}"
 
 
 def check_start(system: System) -> StartCheck:

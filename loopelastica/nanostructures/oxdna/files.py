@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import file_name, one_of
-from loopelastica._files import TakenError, write_text
+from loopelastica._files import TakenError, whole_file
 from loopelastica.errors import StructureError
 from loopelastica.molecule._source import Limits, kind_of, name_of, pieces
 from loopelastica.nanostructures.oxdna.configuration import (
@@ -26,7 +26,7 @@ from loopelastica.nanostructures.oxdna.configuration import (
     parse_configuration,
 )
 from loopelastica.nanostructures.oxdna.energies import nearest_image
-from loopelastica.nanostructures.oxdna.pairing import find_pairs
+from loopelastica.nanostructures.oxdna.pairing import are_bases_given, find_pairs
 from loopelastica.nanostructures.oxdna.topology import (
     Form,
     parse_topology,
@@ -96,7 +96,8 @@ def read_oxdna(
     other : path-like, optional
         The other one; default: beside `path`, of the same stem.
     any_bases : bool, optional
-        Find pairs by geometry alone: for designs without sequences, whose bases do not fit.
+        Find pairs by geometry alone: for designs without sequences, whose bases do not fit. Where
+        no two bases of the file are complementary, this is done in any case.
 
     Returns
     -------
@@ -129,7 +130,8 @@ def read_oxdna(
         rna=top.rna,
         box=conf.box,
     )
-    system = replace(system, pair=find_pairs(system, any_bases))
+    by_geometry = any_bases or not are_bases_given(system.base)
+    system = replace(system, pair=find_pairs(system, by_geometry))
     image = _images(system)
     system = replace(system, centre=system.centre + image * system.box)
     return OxdnaFiles(
@@ -181,7 +183,8 @@ def find_files(
     (one,) = given
     suffixes = CONFIGURATIONS if topologies else (TOPOLOGY,)
     beside = [uncompressed(one).with_suffix(suffix) for suffix in suffixes]
-    found = next((p for p in beside if p.exists()), None)
+    packed = [p.with_name(f"{p.name}.gz") for p in beside]
+    found = next((p for p in (*beside, *packed) if p.exists()), None)
     if found is None:
         raise StructureError(
             f"{name_of(one)}: there is no {' or '.join(p.name for p in beside)} beside it; name the"
@@ -242,7 +245,7 @@ def write_oxdna(
     form: Form = "old",
     files: OxdnaFiles | None = None,
 ) -> None:
-    """Write a system as a pair of oxDNA files, each whole or not at all.
+    """Write a system as a pair of oxDNA files, both whole or none of them.
 
     Parameters
     ----------
@@ -261,11 +264,15 @@ def write_oxdna(
         If a file cannot be written, or is one of `files`.
     """
     texts = oxdna_texts(system, form, files)
-    if files is not None:
-        for path in (topology, configuration):
-            refuse_input(path, (files.topology, files.configuration))
-    for path, text in zip((topology, configuration), texts, strict=True):
-        write_text(path, text)
+    for path in (topology, configuration):
+        refuse_input(path, () if files is None else (files.topology, files.configuration))
+        if path.is_dir():
+            raise TakenError(
+                errno.EISDIR, "this is a folder, so no file is written there", str(path)
+            )
+    with whole_file(topology) as one, whole_file(configuration) as other:
+        for path, text in zip((one, other), texts, strict=True):
+            path.write_text(text, encoding="utf-8", newline="\n")
 
 
 def oxdna_texts(
@@ -278,11 +285,11 @@ def oxdna_texts(
     system : System
         Nucleotides that all have a place.
     form : {"old", "new"}, optional
-        Of the topology. The new one lists each strand from 5' to 3', and so does the configuration
-        then; the old one leaves the order of nucleotides as it is.
+        Of the topology. The new one lists each strand from 5' to 3', the old one from 3' to 5', and
+        so does the configuration.
     files : OxdnaFiles, optional
         Where the system is from. A nucleotide at the same place keeps its line to the byte, one
-        that has moved its velocities; a topology of the same form is copied.
+        that has moved its velocities; a topology of the same form is copied, whatever its order.
 
     Returns
     -------

@@ -8,7 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
-from loopelastica.nanostructures.oxdna.energies import hydrogen_bonds, nearest_image
+from loopelastica.nanostructures.oxdna.energies import (
+    base_numbers,
+    hydrogen_bonds,
+    nearest_image,
+)
 from loopelastica.nanostructures.oxdna.model import HELIX_RISE
 from loopelastica.nanostructures.system import System
 
@@ -51,6 +55,21 @@ def find_pairs(system: System, any_bases: bool = False) -> Index:
         if pair[i] < 0 and pair[j] < 0:
             pair[i], pair[j] = j, i
     return pair
+
+
+def are_bases_given(bases: NDArray[np.str_]) -> bool:
+    """Whether any two of these bases can pair.
+
+    Of a design without sequences exporters write one base for all, and no pair of its helices has
+    an energy then.
+
+    Examples
+    --------
+    >>> are_bases_given(np.array(["T", "T", "A"])), are_bases_given(np.array(["T", "T"]))
+    (True, False)
+    """
+    number = base_numbers(bases)
+    return bool(np.isin(3 - number, number).any())
 
 
 def find_helices(system: System) -> list[Index]:

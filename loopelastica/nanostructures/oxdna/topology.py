@@ -152,7 +152,8 @@ def _read_new(name: str, text: str, rows: list[tuple[int, str]], n: int) -> Topo
         if ring not in _TRUE + _FALSE:
             raise StructureError(f"{place}: circular is {shown(ring)}; it must be true or false")
         strands.append(_bases(place, sequence))
-        titles.append(entries.get("id") or f"strand {k}")
+        own = entries.get("id") or str(k)
+        titles.append(f"strand {own}" if own.isdecimal() else own)
         kinds.append(kind)
         circular.append(ring in _TRUE)
     _check_count(name, n, sum(map(len, strands)))
@@ -261,7 +262,11 @@ def _check_neighbours(name: str, strand: Index, n3: Index, n5: Index) -> None:
 
 
 def written_order(system: System, form: Form) -> Index:
-    """Nucleotides in the order of a file of a form: as they are, or each strand from 5' to 3'.
+    """Nucleotides in the order of a file of a form.
+
+    The new form lists each strand from 5' to 3', the old one from 3' to 5': the program would take
+    any order there, but this is its convention (docs/source/configurations.md), and other programs
+    rely on it.
 
     Parameters
     ----------
@@ -279,8 +284,6 @@ def written_order(system: System, form: Form) -> Index:
     StructureError
         For the new form, where a strand is in pieces.
     """
-    if form == "old":
-        return np.arange(len(system))
     n3 = system.n3.tolist()
     by_strand = np.argsort(system.strand, kind="stable")
     sizes = np.bincount(system.strand, minlength=len(system.strand_name))
@@ -294,12 +297,18 @@ def written_order(system: System, form: Form) -> Index:
         walk = [i]
         while (i := n3[i]) >= 0 and i != first:
             walk.append(i)
-        if len(walk) != len(members):
+        whole = len(walk) == len(members)
+        if form == "new" and not whole:
             raise StructureError(
                 f"{system.name}: {name} is in pieces, which the new form of topologies cannot say;"
                 " the old form can"
             )
-        order += walk
+        if form == "new":
+            order += walk
+        elif not whole:
+            order += members.tolist()
+        else:
+            order += walk[::-1] if len(ends) else [first, *walk[:0:-1]]
     return np.array(order, dtype=np.int64)
 
 
@@ -323,11 +332,12 @@ def topology_text(system: System, form: Form = "old") -> str:
         For the new form, where a strand is in pieces.
     """
     n, n_strands = len(system), len(system.strand_name)
-    if form == "old":
-        columns = (system.strand + 1, system.base, system.n3, system.n5)
-        rows = zip(*(column.tolist() for column in columns), strict=True)
-        return f"{n} {n_strands}\n" + "".join(f"{s} {b} {p} {q}\n" for s, b, p, q in rows)
     order = written_order(system, form)
+    if form == "old":
+        line = np.append(np.argsort(order), -1)  # of each nucleotide, and −1 for none
+        columns = (system.strand + 1, system.base, line[system.n3], line[system.n5])
+        rows = zip(*(column[order].tolist() for column in columns), strict=True)
+        return f"{n} {n_strands}\n" + "".join(f"{s} {b} {p} {q}\n" for s, b, p, q in rows)
     words = [b if b.isalpha() else f"({b})" for b in system.base[order].tolist()]
     lines, first = [f"{n} {n_strands} {NEW_HEADER}\n"], 0
     for strand, size in enumerate(np.bincount(system.strand, minlength=n_strands).tolist()):

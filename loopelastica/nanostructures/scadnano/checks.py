@@ -87,11 +87,18 @@ def check_parts(title: str, strand: dict[str, Any]) -> None:
     kinds = [_check_part(f"{title}, domains[{i}]", part) for i, part in enumerate(parts)]
     if "domain" not in kinds:
         raise StructureError(f"{title} has no domain on a helix, so it has no place in space")
+    ring = strand.get("circular")
+    if not (ring is None or isinstance(ring, bool)):
+        raise StructureError(f"{title}: circular is {shown(ring)}; it must be true or false")
     for end, kind in (("5'", kinds[0]), ("3'", kinds[-1])):
         if kind == "loopout":
+            remedy = (
+                "so list the parts of this circular strand from a domain on"
+                if ring
+                else "and a single strand at an end is an extension"
+            )
             raise StructureError(
-                f"{title} has a loopout at its {end} end; a loopout joins two domains, and a single"
-                " strand at an end is an extension"
+                f"{title} has a loopout at its {end} end; a loopout joins two domains, {remedy}"
             )
     for i, pair in enumerate(itertools.pairwise(kinds)):
         if pair == ("loopout", "loopout"):
@@ -109,13 +116,14 @@ def _check_part(title: str, part: Any) -> str:
     if key is not None:
         if not _is_whole(part[key]) or part[key] < 1:
             raise StructureError(
-                f"{title}: {key} is {shown(part[key])}; it must be a whole number, 1 or more"
+                f"{title}: {key} is {shown(part[key])}; it must be a whole number, 1 or more and"
+                " below 10⁹"
             )
         return _SINGLE[key]
     for key in ("helix", "start", "end"):
         if not _is_whole(part.get(key)):
             raise StructureError(
-                f"{title}: {key} is {shown(part.get(key))}; it must be a whole number"
+                f"{title}: {key} is {shown(part.get(key))}; it must be a whole number below 10⁹"
             )
     forward = _forward(part)
     if not isinstance(forward, bool):
@@ -183,7 +191,7 @@ def check_domains(where: str, strands: dict[str, dict[str, Any]], helices: dict[
             if not (_is_whole(least) and (most is None or _is_whole(most))):
                 raise StructureError(
                     f"{where}: helix {index} has offsets from {shown(least)} to before"
-                    f" {shown(most)}; they must be whole numbers"
+                    f" {shown(most)}; they must be whole numbers below 10⁹"
                 )
             if start < least or (most is not None and end > most):
                 room = f"{least} and above" if most is None else f"{least} to {most - 1}"

@@ -82,7 +82,9 @@ def load(path: Path) -> File:
     # modifications, of which it prints
     frame = {key: value for key, value in content.items() if not key.startswith("modifications")}
     with _named(where):
-        design = package.Design.from_scadnano_json_map({**frame, "strands": []})
+        design = package.Design.from_scadnano_json_map(
+            {**frame, "helices": _numbered(helices), "strands": []}
+        )
     titled = {title_of(index, strand): strand for index, strand in enumerate(strands)}
     for title, strand in titled.items():
         check_parts(f"{where}: {title}", strand)
@@ -97,6 +99,17 @@ def load(path: Path) -> File:
     return File(
         where, design, read, _colours(package, strands, read), _notes(design, strands, read)
     )
+
+
+def _numbered(helices: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The helices with their numbers, which files leave out where they rise from 0.
+
+    The package has none for them yet where it compares them with `helices_view_order`, and refuses
+    what it has written itself.
+    """
+    if any("idx" in helix for helix in helices):
+        return helices
+    return [{**helix, "idx": index} for index, helix in enumerate(helices)]
 
 
 def _package() -> Any:

@@ -135,7 +135,8 @@ def _bases(
     first = np.flatnonzero(paired & (pair > np.arange(len(pair))))
     odd = first[base[first] != _complement(base[pair[first]])]
     if len(odd):
-        notes.append(f"{len(odd)} pairs are not complementary, so oxDNA will not hold them")
+        many, them = ("pairs are", "them") if len(odd) > 1 else ("pair is", "it")
+        notes.append(f"{len(odd)} {many} not complementary, so oxDNA will not hold {them}")
     return base, tuple(notes)
 
 

@@ -74,6 +74,7 @@ def test_nucleotides_without_a_place_are_left_out():
 def test_faults_of_one_kind_are_one_note_with_their_number():
     system = strands.helix("GCATTGCAGC")
     assert list(check_start(system).notes()) == []
+    assert repr(check_start(system)) == "<StartCheck: sound>"
     centre, a1 = system.centre.copy(), system.a1.copy()
     centre[:, 2] *= 3
     a1[7:9] *= 0.9

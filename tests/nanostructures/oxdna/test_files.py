@@ -67,6 +67,9 @@ def test_compressed_files_find_each_other(hairpin):
     assert find_files(packed) == (packed, dat)
     assert find_files(packed, dat.with_name("pin.dat.gz")) == (packed, dat.with_name("pin.dat.gz"))
     assert len(read_oxdna(packed).system) == 18
+    dat.unlink()
+    for given in (hairpin, packed):
+        assert find_files(given) == (given, dat.with_name("pin.dat.gz"))
 
 
 def test_nothing_changed_is_written_to_the_byte(hairpin, tmp_path):

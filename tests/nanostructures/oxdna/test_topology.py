@@ -45,9 +45,10 @@ def test_the_new_form_runs_from_5_to_3_and_knows_rings_and_special_bases():
 
 
 def test_names_and_types_of_strands_are_taken_from_the_new_form():
-    top = parse_topology("a.top", "5 2 5->3\nACG id=scaffold\nAC type=RNA circular=no\n")
-    assert top.strand_name == ("scaffold", "strand 2")
-    assert top.rna.tolist() == [False, True]
+    lines = "ACG id=scaffold\nAC type=RNA circular=no\nA id=7\n"
+    top = parse_topology("a.top", f"6 3 5->3\n{lines}")
+    assert top.strand_name == ("scaffold", "strand 2", "strand 7")
+    assert top.rna.tolist() == [False, True, False]
 
 
 def test_strands_with_uracil_and_no_thymine_are_rna():
@@ -94,7 +95,18 @@ def test_a_ring_survives_both_forms():
     old = topology_text(system, "old")
     again = system_of(parse_topology("a.top", old))
     assert topology_text(again, "new") == NEW
-    assert old.splitlines()[5] == "2 G 5 8"
+    assert old.splitlines()[5:7] == ["2 G 8 5", "2 -10 4 6"]
+
+
+def test_the_old_form_lists_strands_from_3_to_5_as_its_documentation_wants():
+    text = topology_text(system_of(parse_topology("a.top", "9 2 5->3\nGTTGCG\nACG\n")), "old")
+    one, other = DOCUMENTED.splitlines()[1:], ["2 G -1 7", "2 C 6 8", "2 A 7 -1"]
+    assert text.splitlines() == ["9 2", *one, *other]
+
+
+def test_a_strand_in_pieces_keeps_its_order_in_the_old_form():
+    text = "3 1\n1 A 1 -1\n1 C -1 0\n1 G -1 -1\n"
+    assert topology_text(system_of(parse_topology("a.top", text)), "old") == text
 
 
 def test_a_strand_in_pieces_has_no_new_form():

@@ -76,6 +76,10 @@ def in_group(design):
         (lambda d: part(d, 0, insertions=3), "they must be pairs of an offset and"),
         (lambda d: part(d, 0, deletions=["3"]), "they must be offsets"),
         (lambda d: d["helices"][0].update(min_offset=0.5), "they must be whole numbers"),
+        (lambda d: d["helices"][0].update(max_offset=10**9), "must be whole numbers below 10⁹"),
+        (lambda d: part(d, 0, end=2**70), "it must be a whole number below 10⁹"),
+        (lambda d: part(d, 1, loopout=10**12), "1 or more and below 10⁹"),
+        (lambda d: d["strands"][0].update(circular="yes"), "circular is 'yes'; it must be true or"),
         (
             lambda d: d["strands"][0].update(
                 circular=True, domains=[{"helix": 0, "forward": True, "start": 0, "end": 2}]
@@ -114,6 +118,15 @@ def test_versions_up_to_the_installed_one_are_read(tmp_path, version):
 
     path = designs.changed(designs.hairpin(), tmp_path, change)
     assert len(read_design(path).system) == 29
+
+
+def test_a_ring_that_is_listed_from_a_loopout_on_is_told_how_to_be_listed(tmp_path):
+    def change(design):
+        loopouts(design, 3)
+        design["strands"][0]["circular"] = True
+
+    with pytest.raises(StructureError, match="list the parts of this circular strand from a dom"):
+        read_design(designs.changed(designs.hairpin(), tmp_path, change))
 
 
 def test_a_loopout_that_also_names_a_helix_is_a_loopout(tmp_path):

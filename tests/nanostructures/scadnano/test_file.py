@@ -73,6 +73,19 @@ def test_names_of_fields_that_older_versions_had_are_read(tmp_path):
     assert system.centre[1, 2] == pytest.approx(0.34 / 0.8518)
 
 
+@pytest.mark.parametrize("numbers", [(0, 1), (7, 3)])
+def test_a_design_whose_helices_are_shown_in_another_order_is_read(tmp_path, numbers):
+    first, second = numbers
+    helices = [sc.Helix(idx=i, max_offset=32, grid_position=(0, i)) for i in numbers]
+    design = sc.Design(helices=helices, grid=sc.square, helices_view_order=[second, first])
+    design.draw_strand(first, 0).move(12).loopout(second, 20).move(-12)
+    design.draw_strand(second, 0).move(12)
+    system = read_design(designs.write(design, tmp_path)).system
+    assert system.label[32:] == tuple(
+        f"helix {second}, offset {k}" for k in (*range(11, -1, -1), *range(12))
+    )
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [

@@ -273,7 +273,7 @@ def test_crossovers_that_are_too_long_are_named(read):
     design.draw_strand(0, 20).move(-20)
     design.draw_strand(1, 0).move(20)
     notes = read(design).notes
-    assert any("1 bonds are outside of oxDNA's window" in note for note in notes)
+    assert any("1 bond is outside of oxDNA's window" in note for note in notes)
     assert any("from helix 0, offset 19 to helix 1, offset 19" in note for note in notes)
 
 
