@@ -82,8 +82,8 @@ def read_input(path: Any, options: NanostructureOptions) -> Input:
         raise StructureError(f"{name_of(place)}: {_folder(place)}")
     if kind not in (DESIGN, *_OXDNA):
         raise StructureError(
-            f"{name_of(place)}: the name ends in {kind!r}; a design of scadnano ({DESIGN}) or a file"
-            f" of oxDNA ({', '.join(_OXDNA)}) is needed"
+            f"{name_of(place)}: the name ends in {kind!r}; a design of scadnano ({DESIGN}) or a"
+            f" file of oxDNA ({', '.join(_OXDNA)}) is needed"
         )
     if kind == DESIGN:
         if options.other is not None:
@@ -106,8 +106,8 @@ def read_input(path: Any, options: NanostructureOptions) -> Input:
 def _folder(place: Path) -> str:
     if _files_of(str(place)) == [str(place)]:
         return (
-            f"this folder has no design of scadnano ({DESIGN}) and no topology of oxDNA ({TOPOLOGY})"
-            " but what this program has written"
+            f"this folder has no design of scadnano ({DESIGN}) and no topology of oxDNA"
+            f" ({TOPOLOGY}) but what this program has written"
         )
     return "this is a folder; one of the designs in it is needed"
 

@@ -82,7 +82,9 @@ def test_what_cannot_be_spanned_is_refused_by_name_and_only_the_record_is_writte
     (row,) = table(out / "summary.csv")
     assert row["status"] == "refused"
     assert row["reason"] in said
-    assert json.loads((out / "far.json").read_text())["refused"] == [row["reason"]]
+    content = json.loads((out / "far.json").read_text())
+    assert content["refused"] == [row["reason"]]
+    assert not content["checks"]["sound"]
 
 
 def test_one_bad_design_does_not_stop_the_others(hairpin, far, tmp_path, out):

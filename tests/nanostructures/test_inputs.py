@@ -61,7 +61,7 @@ def test_what_this_program_wrote_into_a_folder_is_no_design(tmp_path):
 
 def test_a_folder_without_designs_is_left_to_whoever_reads_it(tmp_path):
     assert designs_of([str(tmp_path)])[0] == [(str(tmp_path), None)]
-    with pytest.raises(StructureError, match=r"this is a folder; a design of scadnano \(\.sc\)"):
+    with pytest.raises(StructureError, match=r"this folder has no design of scadnano \(\.sc\)"):
         read_input(tmp_path, NanostructureOptions())
 
 
@@ -96,6 +96,12 @@ def test_what_is_not_there_is_named_whatever_its_name_ends_in(tmp_path, name):
 def test_a_path_that_is_none_is_named(path):
     with pytest.raises(ValueError, match="`path` is"):
         read_input(path, NanostructureOptions())
+
+
+def test_of_a_folder_with_designs_one_is_needed(tmp_path):
+    touched(tmp_path, "z.sc")
+    with pytest.raises(StructureError, match="this is a folder; one of the designs in it"):
+        read_input(tmp_path, NanostructureOptions())
 
 
 def test_helices_of_oxdna_are_not_fitted(tmp_path):
