@@ -39,8 +39,8 @@ def missing(rods, others):
 def test_chain_reversal_gives_the_reversed_rod(rng):
     for position, rotation in zip(*load_drawn(rng, 10), strict=True):
         clamping = le.Clamping(position, rotation)
-        forward = le.equilibria(clamping)
-        backward = le.equilibria(clamping.reversed())
+        forward = le.equilibria(clamping, rounds=1)
+        backward = le.equilibria(clamping.reversed(), rounds=1)
         # the search starts differ, so the lists may; the lowest is found from both sides
         assert forward[0].energy == pytest.approx(backward[0].energy, rel=1e-8)
         line = forward[0].centerline(9)
