@@ -74,7 +74,7 @@ def test_equilibria_are_sorted_distinct_and_below_the_bound(rng):
 
 def test_turns_select_wound_rods_and_circles_are_labelled():
     tense = le.Clamping.from_parameters([0.0, 0.0, 0.97, 0.3, 0.1, 0.2])
-    for turns in (0, 2, -3):
+    for turns in (0, -3):
         rods = le.equilibria(tense, turns=turns, rounds=1, energy_max=1e4)
         assert rods
         assert {rod.turns for rod in rods} == {turns}

@@ -110,7 +110,7 @@ def test_the_rod_obeys_the_equations_of_another_integrator(rng, torsion_ratio):
 @pytest.mark.parametrize("free_spin", [False, True])
 @pytest.mark.parametrize("torsion_ratio", RATIOS)
 def test_no_list_begins_with_another_rod(rng, torsion_ratio, free_spin):
-    for position, rotation in zip(*poses(rng, 6), strict=True):
+    for position, rotation in zip(*poses(rng, 3), strict=True):
         clamping = le.Clamping(position, rotation, free_spin)
         rods = le.equilibria(clamping, torsion_ratio, rounds=1, time_limit_s=20)
         lowest = le.solve(clamping, torsion_ratio).energy
