@@ -48,7 +48,8 @@ def folded(tmp_path_factory):
     """2KOC folded twice, with atoms and without, beside a file that cannot be."""
     out = tmp_path_factory.mktemp("documented")
     (out / "broken.pdb").write_text("nothing\n")
-    run("fold", SOURCE, out / "broken.pdb", "--first-model", "--atoms", "-o", out / "atoms")
+    atoms = ("--atoms", "--candidates", 2)
+    run("fold", SOURCE, out / "broken.pdb", "--first-model", *atoms, "-o", out / "atoms")
     run("fold", SOURCE, "--first-model", "--shapes", "rod", "-o", out / "rods")
     return out
 

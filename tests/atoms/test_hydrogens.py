@@ -368,12 +368,3 @@ def test_openmm_accepts_a_strand_with_hydrogens(sequence, is_dna, force_field):
         pdb = topology(pdb_text(monomers, found, ends(6), convention))
         system = app.ForceField(force_field).createSystem(pdb.topology)
         assert system.getNumParticles() == sum(map(len, found)) + len(all_atoms(monomers))
-
-
-@pytest.mark.slow
-def test_openmm_accepts_rna_with_hydrogens_in_charmm36():
-    app = pytest.importorskip("openmm.app")
-    monomers = strand("GAUCAG", is_dna=False)
-    pdb = topology(pdb_text(monomers, add_hydrogens(monomers, ends(6), NOTHING), ends(6)))
-    system = app.ForceField("charmm36_2024.xml").createSystem(pdb.topology)
-    assert system.getNumParticles() == pdb.topology.getNumAtoms()

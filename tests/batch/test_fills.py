@@ -171,12 +171,12 @@ def test_a_file_of_any_name_is_filled(tmp_path, fill_all, name):
 @pytest.mark.slow
 def test_two_processes_write_what_one_writes(tmp_path, fill_all):
     pytest.importorskip("distributed")
-    files = [gapped.gapped(tmp_path / f"{k}" / "a.pdb", {6, 7, k}) for k in (7, 8, 10)]
+    files = [gapped.gapped(tmp_path / f"{k}" / "a.pdb", {6, 7, k}) for k in (7, 8)]
     files.append(gapped.pdb(tmp_path / "none.pdb", gapped.chain({7})))
     files.append(tmp_path / "absent.pdb")
     one, two = tmp_path / "one", tmp_path / "two"
     first, second = fill_all(*files, out=one), fill_all(*files, out=two, jobs=2)
-    assert second.n_done == first.n_done == 5
+    assert second.n_done == first.n_done == 4
     names = sorted(p.relative_to(one) for p in one.rglob("*") if not p.name.startswith("."))
     assert names == sorted(p.relative_to(two) for p in two.rglob("*") if not p.name.startswith("."))
     for name in names:

@@ -14,7 +14,7 @@ from loopelastica._files import data_path
 from loopelastica.cli.app import app
 
 HAIRPIN = data_path("hairpins/2koc.pdb")
-RODS = {"all_models": False, "shapes": "rod"}
+RODS = {"all_models": False, "shapes": "rod", "max_candidates": 3}
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,8 @@ def rows_of(path):
 
 
 def command(out, *options):
-    arguments = ["fold", str(HAIRPIN), "-o", str(out), "--shapes", "rod", "--first-model"]
+    few = ("--shapes", "rod", "--first-model", "--candidates", "3")
+    arguments = ["fold", str(HAIRPIN), "-o", str(out), *few]
     assert CliRunner().invoke(app, [*arguments, *options]).exit_code == 0
     return out
 

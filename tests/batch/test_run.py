@@ -200,16 +200,16 @@ def children(pid):
 
 
 @pytest.mark.slow
-def test_120_files_whose_processes_are_killed_give_the_undisturbed_tables(tmp_path, rng):
-    """Main process, single workers or all of them, with SIGKILL, at random moments."""
+def test_files_whose_processes_are_killed_give_the_undisturbed_tables(tmp_path, rng):
+    """Main process, single workers and all of them, with SIGKILL, at random moments."""
     pytest.importorskip("distributed")
     text = data_path("hairpins/2koc.pdb").read_text().split("ENDMDL")[0] + "ENDMDL\nEND"
-    files = [tmp_path / f"{k % 7}" / f"copy{k // 2}.pdb" for k in range(120)]
+    files = [tmp_path / f"{k % 7}" / f"copy{k // 2}.pdb" for k in range(60)]
     for file in files:
         file.parent.mkdir(exist_ok=True)
         moved(text, rng, file)
     files[17].write_text("no structure\n")
-    files[93].write_bytes(b"")
+    files[43].write_bytes(b"")
     calm, out = tmp_path / "calm", tmp_path / "out"
     # rods alone: the journal is what is tried, not the folding
     options = {**OPTIONS, "shapes": "rod"}
@@ -220,18 +220,19 @@ def test_120_files_whose_processes_are_killed_give_the_undisturbed_tables(tmp_pa
     ]
     journal = out / ".summary.journal"
     kills = {"main": 0, "worker": 0, "all": 0}
-    for attempt in range(40):
+    # each attempt costs the start of three processes
+    for attempt in range(20):
         process = subprocess.Popen(
             command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             start_new_session=True,
         )  # fmt: skip
         done = journal.stat().st_size if journal.exists() else 0
-        whom = rng.choice(list(kills)) if attempt < 15 else "nobody"
+        whom = ("all", "worker", "main", "all", "worker", "nobody")[min(attempt, 5)]
         while process.poll() is None:
             time.sleep(0.02)
             if whom == "nobody" or not journal.exists() or journal.stat().st_size == done:
                 continue
-            time.sleep(rng.uniform(0.0, 0.4))  # at a random moment after one more file was done
+            time.sleep(rng.uniform(0.0, 0.3))  # at a random moment after one more file was done
             if process.poll() is not None:
                 break
             kills[whom] += 1
@@ -241,13 +242,13 @@ def test_120_files_whose_processes_are_killed_give_the_undisturbed_tables(tmp_pa
                 process.kill()
             else:
                 os.kill(rng.choice(children(process.pid)), signal.SIGKILL)
-                whom, done = rng.choice(list(kills)), journal.stat().st_size
+                whom, done = "main", journal.stat().st_size
         process.wait()
         failures = out / "failures.csv"
         if process.returncode == 1 and failures.read_text().count("\n") == 3:
             break
     print(f"{attempt + 1} runs, kills: {kills}")
-    assert sum(kills.values()) >= 3
+    assert min(kills.values()) >= 1
     for name in ("summary.csv", "failures.csv"):
         assert (out / name).read_bytes() == (calm / name).read_bytes()
     assert {p.name for p in out.iterdir() if p.is_dir()} == {

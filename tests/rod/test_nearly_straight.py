@@ -54,12 +54,12 @@ def test_all_are_solved(rng, n, torsion_ratio, free_spin):
 @pytest.mark.parametrize(
     ("n", "shortest", "longest"),
     [(1, -8, -6), *(pytest.param(*row, marks=pytest.mark.slow)
-                    for row in ((4, -8, -6), (3, -8.9, -8), (3, -6, -4)))],
+                    for row in ((2, -8, -6), (2, -8.9, -8), (2, -6, -4)))],
 )  # fmt: skip
 def test_the_lowest_is_that_of_an_independent_beam(
     rng, n, shortest, longest, torsion_ratio, free_spin
 ):
-    if n != 4 and torsion_ratio > 2.0:
+    if (n, longest) != (2, -6) and torsion_ratio > 2.0:
         pytest.skip("the beam of so much twist takes long: one of the slow tests has it")
     for position, rotation in zip(*poses(rng, n, shortest, longest), strict=True):
         clamping = le.Clamping(position, rotation, free_spin)
@@ -110,7 +110,7 @@ def test_the_rod_obeys_the_equations_of_another_integrator(rng, torsion_ratio):
 @pytest.mark.parametrize("free_spin", [False, True])
 @pytest.mark.parametrize("torsion_ratio", RATIOS)
 def test_no_list_begins_with_another_rod(rng, torsion_ratio, free_spin):
-    for position, rotation in zip(*poses(rng, 6), strict=True):
+    for position, rotation in zip(*poses(rng, 3), strict=True):
         clamping = le.Clamping(position, rotation, free_spin)
         rods = le.equilibria(clamping, torsion_ratio, rounds=1, time_limit_s=20)
         lowest = le.solve(clamping, torsion_ratio).energy

@@ -35,7 +35,7 @@ def test_the_index_is_that_of_a_second_variation_in_sines(rng, torsion_ratio, fr
 @pytest.mark.parametrize("torsion_ratio", [0.1, 0.3, 1.0, 3.0, 10.0])
 def test_the_index_of_hundreds_of_rods(torsion_ratio, free_spin):
     rng = np.random.default_rng(int(1000 * torsion_ratio) + free_spin)
-    for rod in drawn_rods(rng, 60, torsion_ratio, free_spin):
+    for rod in drawn_rods(rng, 30, torsion_ratio, free_spin):
         values = eigenvalues(rod, 32)
         if np.sum(values < 0) != morse_index(rod) or np.abs(values).min() < 0.1:
             values = eigenvalues(rod, 96)

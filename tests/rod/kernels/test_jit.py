@@ -43,13 +43,34 @@ def compiled_and_value(stdout):
     return int(count), [float(value) for value in values]
 
 
+def copied(folder):
+    """A copy of the package that has no compiled code."""
+    ignored = shutil.ignore_patterns("__pycache__", "_compiled")
+    shutil.copytree(ROOT / "loopelastica", folder / "loopelastica", ignore=ignored)
+    return folder
+
+
 @pytest.fixture
 def package(tmp_path):
     """A copy of the package that has no compiled code, to be edited."""
-    copy = tmp_path / "copy"
-    ignored = shutil.ignore_patterns("__pycache__", "_compiled")
-    shutil.copytree(ROOT / "loopelastica", copy / "loopelastica", ignore=ignored)
-    return copy
+    return copied(tmp_path / "copy")
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    """Where a package of this text was run for the first time, and what it printed."""
+    folder = tmp_path_factory.mktemp("ran")
+    return folder, run(HINGE, folder, copied(folder / "copy"))[0]
+
+
+@pytest.fixture
+def before(ran, tmp_path):
+    """What was computed there; the compiled code is here now."""
+    folder, printed = ran
+    shutil.copytree(folder / "cache", tmp_path / "cache")
+    compiled, value = compiled_and_value(printed)
+    assert compiled > 0
+    return value
 
 
 @kernel
@@ -86,8 +107,7 @@ def test_what_several_kernels_call_is_linked_into_each():
     assert _halved(3.0) == 1.5
 
 
-def test_an_edited_kernel_is_compiled_anew_with_all_that_call_it(package, tmp_path):
-    _, before = compiled_and_value(run(HINGE, tmp_path, package)[0])
+def test_an_edited_kernel_is_compiled_anew_with_all_that_call_it(package, tmp_path, before):
     assert before == pytest.approx([2.0 * 0.6435011087932844, 0.0, 0.0])
     again, same = compiled_and_value(run(HINGE, tmp_path, package)[0])
     assert (again, same) == (0, before)
@@ -101,16 +121,15 @@ def test_an_edited_kernel_is_compiled_anew_with_all_that_call_it(package, tmp_pa
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("before")
 def test_another_version_of_the_package_has_code_of_its_own(package, tmp_path):
-    run(HINGE, tmp_path, package)
     version = package / "loopelastica" / "_version.py"
     version.write_text(version.read_text().replace("0.", "7.", 1))
     assert compiled_and_value(run(HINGE, tmp_path, package)[0])[0] > 0
 
 
 @pytest.mark.slow
-def test_a_damaged_file_is_made_anew(package, tmp_path):
-    _, before = compiled_and_value(run(HINGE, tmp_path, package)[0])
+def test_a_damaged_file_is_made_anew(package, tmp_path, before):
     (file,) = (tmp_path / "cache").rglob("*.bin")
     whole = file.read_bytes()
     for damaged in (whole[: len(whole) // 2], whole[:-1] + b"x"):
@@ -146,8 +165,8 @@ def test_shipped_code_is_read_where_nothing_can_be_written(package, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("before")
 def test_a_checkout_reads_the_code_of_an_installation_of_the_same_text(package, tmp_path):
-    run(HINGE, tmp_path, package)
     installed = tmp_path / "site"
     shutil.copytree(package / "loopelastica", installed / "loopelastica")
     (tmp_path / "cache").rename(installed / "loopelastica" / "_compiled")

@@ -1,6 +1,7 @@
 """The paper's studies run again: what is written, and that an interruption costs nothing."""
 
 import csv
+import shutil
 
 import numpy as np
 import pytest
@@ -10,10 +11,9 @@ from loopelastica.studies.bench import paper as bench
 TIMES = ("time_ms",)
 
 
-@pytest.fixture(autouse=True)
-def small(monkeypatch):
+@pytest.fixture(scope="module", autouse=True)
+def small():
     """A few cells of little work."""
-    monkeypatch.setattr(bench, "_CHUNK", 4)
     cells = bench.cells_of
 
     def few(figures):
@@ -21,7 +21,10 @@ def small(monkeypatch):
             cell for cell in cells(figures) if cell.delta == 0.5 and cell.l + cell.figure in (5, 7)
         ]
 
-    monkeypatch.setattr(bench, "cells_of", few)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bench, "_CHUNK", 4)
+        patch.setattr(bench, "cells_of", few)
+        yield
 
 
 def without_times(rows):
@@ -80,28 +83,39 @@ def test_an_interrupted_run_goes_on_to_the_same_table(tmp_path, monkeypatch):
     assert bench.run(out, sample=13, figures=(3,), progress=False) == rows
 
 
+@pytest.fixture(scope="module")
+def five(tmp_path_factory):
+    """Rows of five rods, and their folder."""
+    out = tmp_path_factory.mktemp("five") / "out"
+    return bench.run(out, sample=5, figures=(3,), seed=1, progress=False), out
+
+
 @pytest.mark.slow
-def test_a_larger_sample_continues_a_smaller_one(tmp_path):
-    small = bench.run(tmp_path / "out", sample=5, figures=(3,), progress=False)
-    larger = bench.run(tmp_path / "out", sample=9, figures=(3,), progress=False)
-    at_once = bench.run(tmp_path / "other", sample=9, figures=(3,), progress=False)
+def test_a_larger_sample_continues_a_smaller_one(five, tmp_path):
+    small, out = five
+    shutil.copytree(out, tmp_path / "out")
+    larger = bench.run(tmp_path / "out", sample=9, figures=(3,), seed=1, progress=False)
+    at_once = bench.run(tmp_path / "other", sample=9, figures=(3,), seed=1, progress=False)
     assert [row["tested"] for row in small] == [5] * 3
     assert without_times(larger) == without_times(at_once)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 not an archive"])
-def test_damaged_partial_results_are_measured_again(tmp_path, content):
-    expected = bench.run(tmp_path / "out", sample=5, figures=(3,), progress=False)
-    for path in (tmp_path / "out" / "partial").glob("*.npz"):
-        path.write_bytes(content)
-    again = bench.run(tmp_path / "out", sample=5, figures=(3,), progress=False)
+def test_damaged_partial_results_are_measured_again(five, tmp_path):
+    expected, out = five
+    shutil.copytree(out, tmp_path / "out")
+    partial = sorted((tmp_path / "out" / "partial").glob("*.npz"))
+    assert len(partial) > 1
+    for k, path in enumerate(partial):
+        path.write_bytes((b"", b"PK\x03\x04 not an archive")[k % 2])
+    again = bench.run(tmp_path / "out", sample=5, figures=(3,), seed=1, progress=False)
     assert without_times(again) == without_times(expected)
 
 
 @pytest.mark.slow
-def test_another_seed_does_not_take_over_results(tmp_path):
-    first = bench.run(tmp_path / "out", sample=5, figures=(3,), seed=1, progress=False)
+def test_another_seed_does_not_take_over_results(five, tmp_path):
+    first, out = five
+    shutil.copytree(out, tmp_path / "out")
     second = bench.run(tmp_path / "out", sample=5, figures=(3,), seed=2, progress=False)
     assert without_times(first) != without_times(second)
 
@@ -114,6 +128,6 @@ def test_bad_arguments_are_named(tmp_path):
 
 
 @pytest.mark.slow
-def test_every_row_has_its_iterations(tmp_path):
-    rows = bench.run(tmp_path / "out", sample=8, figures=(3,), progress=False)
+def test_every_row_has_its_iterations(five):
+    rows, _ = five
     assert np.isfinite([row["iterations"] for row in rows]).all()

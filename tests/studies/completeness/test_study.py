@@ -1,4 +1,5 @@
 import csv
+import shutil
 
 import numpy as np
 import pytest
@@ -14,26 +15,35 @@ def rows_of(path):
         return list(csv.DictReader(file))
 
 
-@pytest.fixture
-def two(monkeypatch):
-    monkeypatch.setattr(study, "_POSES", (2, 2))
-    monkeypatch.setattr(study, "_STARTS", 60)
+def small(patch, poses=2):
+    """Few poses, and few starts for each."""
+    patch.setattr(study, "_POSES", (poses, poses))
+    patch.setattr(study, "_STARTS", 60)
 
 
-def test_two_poses_write_all_files(tmp_path, two):
-    rows = study.run(tmp_path / "out", progress=False)
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """The rows of a run of two poses, and its folder."""
+    out = tmp_path_factory.mktemp("study") / "out"
+    with pytest.MonkeyPatch.context() as patch:
+        small(patch)
+        return study.run(out, progress=False), out
+
+
+def test_two_poses_write_all_files(first):
+    rows, out = first
     assert [(row["pose"], row["effort"]) for row in rows] == [
         (pose, effort) for pose in (0, 1) for effort in study.EFFORTS
     ]
     for name in FILES:
-        assert (tmp_path / "out" / name).stat().st_size > 0, name
-    written = rows_of(tmp_path / "out" / "poses.csv")
+        assert (out / name).stat().st_size > 0, name
+    written = rows_of(out / "poses.csv")
     assert [row["listed"] for row in written] == [str(row["listed"]) for row in rows]
     lost = sum(row["rods"] - row["rods_listed"] for row in rows)
-    assert len(rows_of(tmp_path / "out" / "missed.csv")) == lost
-    assert len(rows_of(tmp_path / "out" / "reliability.csv")) == len(study.EFFORTS)
+    assert len(rows_of(out / "missed.csv")) == lost
+    assert len(rows_of(out / "reliability.csv")) == len(study.EFFORTS)
     for name in FILES[:-1]:
-        text = (tmp_path / "out" / name).read_text(encoding="utf-8").lower()
+        text = (out / name).read_text(encoding="utf-8").lower()
         assert "nan" not in text
     clamping, torsion_ratio, kind = study.pose(2026, 1)
     again = le.Clamping.from_parameters(
@@ -44,18 +54,24 @@ def test_two_poses_write_all_files(tmp_path, two):
     assert float(written[-1]["torsion_ratio"]) == torsion_ratio
 
 
-def test_a_second_run_takes_the_hits_of_the_first_and_makes_lists_anew(tmp_path, two, monkeypatch):
-    rows = study.run(tmp_path, progress=False)
+def test_a_second_run_takes_the_hits_of_the_first_and_makes_lists_anew(
+    first, tmp_path, monkeypatch
+):
+    rows, out = first
+    shutil.copytree(out, tmp_path / "out")
+    small(monkeypatch)
     monkeypatch.setattr(study, "search", lambda *_: pytest.fail("searched again"))
-    again = study.run(tmp_path, progress=False)
+    again = study.run(tmp_path / "out", progress=False)
     for before, after in zip(rows, again, strict=True):
         assert {**before, "seconds": 0} == {**after, "seconds": 0}
     # other starts are another search
     searched = []
+    small(monkeypatch, poses=1)
     monkeypatch.setattr(study, "search", lambda *arguments: searched.append(arguments[2]) or [])
     monkeypatch.setattr(study, "_STARTS", 50)
-    assert [row["hits"] for row in study.run(tmp_path, progress=False)] == [0] * len(rows)
-    assert searched == [50, 50]
+    rows = study.run(tmp_path / "out", progress=False)
+    assert [row["hits"] for row in rows] == [0] * len(rows)
+    assert searched == [50]
 
 
 def test_poses_are_those_of_seed_and_number_and_of_every_kind():
