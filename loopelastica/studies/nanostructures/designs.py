@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import itertools
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -21,6 +22,8 @@ from loopelastica.errors import MissingDependencyError
 Draw = Callable[["Sheet", int], None]
 
 _LATTICES: Final = ("square", "honeycomb", "hex")
+# least offset of helices
+_FIRST: Final = -100
 # helices that are far from each other, nm: further than the longest strand reaches
 _FAR_NM: Final = 60.0
 _RISE_NM: Final = 0.332
@@ -79,9 +82,7 @@ class Sheet:
 
     def helix(self, column: int, row: int) -> int:
         """A helix of the lattice; its number."""
-        place = {"grid_position": (column, row)}
-        self.helices.append(self.package.Helix(min_offset=-200, max_offset=400, **place))
-        return len(self.helices) - 1
+        return self._add(grid_position=(column, row))
 
     def far(self, column: float, group: int) -> int:
         """A helix of a group that is far from other groups, which go on in squares; its number.
@@ -93,7 +94,11 @@ class Sheet:
         place = self.package.Position3D(
             group % 32 * _FAR_NM + column * apart, group // 32 * _FAR_NM, 0.0
         )
-        self.helices.append(self.package.Helix(min_offset=-200, max_offset=400, position=place))
+        return self._add(position=place)
+
+    def _add(self, **place: Any) -> int:
+        # where it ends follows from what is drawn on it
+        self.helices.append(self.package.Helix(min_offset=_FIRST, **place))
         return len(self.helices) - 1
 
     def domain(self, helix: int, forward: bool, start: int, end: int) -> Any:
@@ -124,12 +129,27 @@ class Sheet:
 
     def design(self) -> Any:
         """The design as scadnano has it."""
-        design = self.package.Design(
-            helices=self.helices, strands=self.strands, grid=self.grid, geometry=self.geometry
-        )
+        design = self._drawn(self.strands)
         if self.relaxed:
-            design.relax_helix_rolls()
+            # only crossovers turn helices there, so loopouts are taken for crossovers
+            twin = self._drawn([self._crossing(strand) for strand in self.strands])
+            twin.relax_helix_rolls()
+            for index, helix in design.helices.items():
+                helix.roll = twin.helices[index].roll
         return design
+
+    def _drawn(self, strands: list[Any]) -> Any:
+        return self.package.Design(
+            helices=[copy(helix) for helix in self.helices],
+            strands=strands,
+            grid=self.grid,
+            geometry=self.geometry,
+        )
+
+    def _crossing(self, strand: Any) -> Any:
+        """A strand without its single strands, unless it is a hairpin."""
+        domains = [part for part in strand.domains if isinstance(part, self.package.Domain)]
+        return self.package.Strand(domains) if len({one.helix for one in domains}) > 1 else strand
 
 
 def package() -> Any:
@@ -174,9 +194,7 @@ def drawn(family: Family, number: int, seed: int, strands: int | None = None) ->
 
 def _hairpin(sheet: Sheet, helix: int, loop: int, stem: int, end: int = 0) -> None:
     """A hairpin whose loop is behind the offsets of its stem, or before them."""
-    forward, back = sheet.domain(helix, True, end, end + stem), sheet.domain(
-        helix, False, end, end + stem
-    )  # fmt: skip
+    forward, back = (sheet.domain(helix, up, end, end + stem) for up in (True, False))
     sheet.strand(*((forward, loop, back) if end >= 0 else (back, loop, forward)))
 
 
@@ -260,13 +278,10 @@ def _tails(sheet: Sheet, strands: int) -> None:
     count = -(-strands // 8)
     side = int(np.ceil(np.sqrt(count)))
     for k in range(count):
-        helix, length = sheet.helix(k % side, k // side), 2 * sheet.between(10, 16)
-        for forward, start, end in itertools.product(
-            (True, False), (0, length // 2), (length // 2, length)
-        ):
-            if end - start == length // 2:
-                five, three = (extension(sheet.between(1, 40)) for _ in range(2))
-                sheet.strand(five, sheet.domain(helix, forward, start, end), three)
+        helix, half = sheet.helix(k % side, k // side), sheet.between(10, 16)
+        for forward, start in itertools.product((True, False), (0, half)):
+            five, three = (extension(sheet.between(1, 40)) for _ in range(2))
+            sheet.strand(five, sheet.domain(helix, forward, start, start + half), three)
 
 
 def _crowd(sheet: Sheet, strands: int) -> None:
@@ -331,12 +346,12 @@ def _linker(sheet: Sheet, one: int, other: int, length: int, stem: int = 16) -> 
 
 FAMILIES: Final[Sequence[Family]] = (
     Family("hairpins", "hairpins of 3–60, each alone", _lone_hairpins, 58, (2, 2)),
-    Family("hairpin-lattices", "hairpins of 3–60, side by side", _lattice_hairpins, 32, (2, 24)),
-    Family("linkers", "linkers of 2–60, one to three apart", _linkers, 12, (2, 40)),
-    Family("unpaired", "gaps and unpaired crossovers", _unpaired, 12, (2, 40)),
-    Family("spacers", "spacers of 2–6 at crossovers", _spacers, 32, (2, 24)),
-    Family("tails", "tails of 1–40", _tails, 32, (2, 24)),
-    Family("crowds", "crowds", _crowd, 36, (2, 40)),
+    Family("hairpin-lattices", "hairpins of 3–60, side by side", _lattice_hairpins, 32, (2, 16)),
+    Family("linkers", "linkers of 2–60, one to three apart", _linkers, 12, (2, 32)),
+    Family("unpaired", "gaps and unpaired crossovers", _unpaired, 12, (2, 32)),
+    Family("spacers", "spacers of 2–6 at crossovers", _spacers, 32, (2, 16)),
+    Family("tails", "tails of 1–40", _tails, 32, (2, 16)),
+    Family("crowds", "crowds", _crowd, 36, (2, 20)),
 )
 """Designs of random strands."""
 
