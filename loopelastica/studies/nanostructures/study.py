@@ -47,7 +47,7 @@ def run(
         ``designs.csv`` (a row per design and way), ``nanostructures.png`` and the designs in
         ``designs``; ``dynamics.csv`` with `steps`.
     full : bool
-        Some 4,000 strands at random and eight designs of 1,000; otherwise a tenth.
+        Some 3,000 strands at random and twelve designs of 1,000; otherwise a tenth.
     seed : int
         Of the designs.
     steps : int
@@ -67,9 +67,7 @@ def run(
     """
     from loopelastica._progress import progress_bar
 
-    package()
-    if steps:
-        lammps.program().close()
+    check_packages(steps)
     make_folder(out / "designs")
     cases = [
         _Case(family, number, family.strands if full or family in FAMILIES else _FEW)
@@ -93,6 +91,24 @@ def run(
     write_text(out / "nanostructures.md", report.markdown(table, moved, load))
     report.draw(table, out / "nanostructures.png")
     return table
+
+
+def check_packages(steps: int) -> None:
+    """See that what the study needs is there.
+
+    Parameters
+    ----------
+    steps : int
+        Of dynamics.
+
+    Raises
+    ------
+    MissingDependencyError
+        If scadnano is not installed, or with `steps` LAMMPS.
+    """
+    package()
+    if steps:
+        lammps.program().close()
 
 
 def _measure(case: _Case, seed: int, out: Path) -> list[Row]:
