@@ -54,6 +54,15 @@ _WAYS = {
     "largest": ("largest energy", ".3g"),
     "ms_per_strand": ("ms per strand", ".3f"),
 }
+_TRIPS = {
+    "form": ("topology", ""),
+    "designs": ("designs", ",d"),
+    "paired": ("paired nucleotides", ",d"),
+    "lost": ("with another partner or none", ",d"),
+    "changed": ("lines changed", ",d"),
+    "broken": ("bonds out of the window", ",d"),
+    "close": ("centres under 0.4", ",d"),
+}
 _DYNAMICS = {
     "family": ("designs", ""),
     "way": ("single strands as", ""),
@@ -67,13 +76,15 @@ _DYNAMICS = {
 _STYLES = (("#1b6ca8", "*"), ("#c8553d", "^"), ("#588157", "s"), ("#7b5ea7", "X"))
 
 
-def markdown(rows: Sequence[Row], moved: Sequence[Row], load: float | None) -> str:
+def markdown(
+    rows: Sequence[Row], trips: Sequence[Row], moved: Sequence[Row], load: float | None
+) -> str:
     """The page.
 
     Parameters
     ----------
-    rows, moved : sequence of dict
-        Lines of ``nanostructures.csv`` and of ``dynamics.csv``.
+    rows, trips, moved : sequence of dict
+        Lines of ``nanostructures.csv``, ``round_trips.csv`` and ``dynamics.csv``.
     load : float or None
         Average load of the machine when the study began.
 
@@ -87,6 +98,9 @@ def markdown(rows: Sequence[Row], moved: Sequence[Row], load: float | None) -> s
         "# Starts of nanostructures", "", f"{setting()}{busy}.", "", _NOTE,
         "", "## Rods", "", markdown_table(ours, _RODS),
         "", "## Beside other lines", "", _WAYS_NOTE, "", markdown_table(rows, _WAYS),
+        "", "## Through files of oxDNA", "",
+        "Written, read, laid anew and written again.", "",
+        markdown_table(_by_form(trips), _TRIPS),
     ]  # fmt: skip
     if moved:
         parts += [
@@ -96,6 +110,17 @@ def markdown(rows: Sequence[Row], moved: Sequence[Row], load: float | None) -> s
             markdown_table(moved, _DYNAMICS),
         ]  # fmt: skip
     return "\n".join(parts) + "\n"
+
+
+def _by_form(trips: Sequence[Row]) -> list[Row]:
+    """Sums over designs, a row per form of the topology."""
+    rows = []
+    for form in dict.fromkeys(trip["form"] for trip in trips):
+        own = [trip for trip in trips if trip["form"] == form]
+        counts = ("paired", "lost", "changed", "broken", "close")
+        sums = {key: sum(trip[key] for trip in own) for key in counts}
+        rows.append({"form": form, "designs": len(own), **sums})
+    return rows
 
 
 def draw(rows: Sequence[Row], path: Path) -> None:

@@ -15,6 +15,7 @@ from loopelastica.nanostructures.system import System
 from loopelastica.studies.nanostructures import dynamics, lammps, report
 from loopelastica.studies.nanostructures.designs import FAMILIES, LARGE, Family, drawn, package
 from loopelastica.studies.nanostructures.measures import measured, summed
+from loopelastica.studies.nanostructures.round_trips import round_trips
 from loopelastica.studies.nanostructures.starts import arc, chord, exported, on_curves
 
 Row = dict[str, Any]
@@ -45,7 +46,7 @@ def run(
     out : Path
         Folder for ``nanostructures.md``, ``nanostructures.csv`` (a row per family and way),
         ``designs.csv`` (a row per design and way), ``nanostructures.png`` and the designs in
-        ``designs``; ``dynamics.csv`` with `steps`.
+        ``designs``; ``round_trips.csv``, and with `steps` ``dynamics.csv``.
     full : bool
         Some 3,000 strands at random and twelve designs of 1,000; otherwise a tenth.
     seed : int
@@ -83,12 +84,18 @@ def run(
         rows += _measure(case, seed, out)
     families = list(dict.fromkeys(case.family for case in cases))
     table = [_row(family, way, rows) for family in families for way in WAYS]
+    trips = round_trips(
+        out / "designs" / _file(family, number) for family in FAMILIES for number in (0, 1)
+    )
     moved = dynamics.compared(seed, steps, progress) if steps else []
     write_csv(out / "designs.csv", rows, list(dict.fromkeys(key for row in rows for key in row)))
     write_csv(out / "nanostructures.csv", table)
+    write_csv(out / "round_trips.csv", trips)
     if moved:
-        write_csv(out / "dynamics.csv", moved)
-    write_text(out / "nanostructures.md", report.markdown(table, moved, load))
+        write_csv(
+            out / "dynamics.csv", moved, list(dict.fromkeys(key for row in moved for key in row))
+        )
+    write_text(out / "nanostructures.md", report.markdown(table, trips, moved, load))
     report.draw(table, out / "nanostructures.png")
     return table
 
@@ -111,13 +118,17 @@ def check_packages(steps: int) -> None:
         lammps.program().close()
 
 
+def _file(family: Family, number: int) -> str:
+    return f"{family.key}-{number}.sc"
+
+
 def _measure(case: _Case, seed: int, out: Path) -> list[Row]:
     """The rows of one design, one for each way."""
     from loopelastica.nanostructures.laying.lay import lay
     from loopelastica.nanostructures.scadnano.reading import read_design
 
     design = drawn(case.family, case.number, seed, case.strands)
-    path = out / "designs" / f"{case.family.key}-{case.number}.sc"
+    path = out / "designs" / _file(case.family, case.number)
     write_text(path, design.to_json())
     found, whole = _timed(lambda: nanostructure(path))
     system = read_design(path).system

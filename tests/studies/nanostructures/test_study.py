@@ -43,13 +43,16 @@ def test_the_study_compares_four_ways_on_the_same_strands(small, tmp_path):
         assert len(counts) == 1
     assert {path.name for path in tmp_path.iterdir()} == {
         *("nanostructures.md", "nanostructures.csv", "nanostructures.png"),
-        *("designs.csv", "designs"),
+        *("designs.csv", "designs", "round_trips.csv"),
     }
     designs = table(tmp_path / "designs.csv")
     assert len(designs) == 3 * 2 * 4
     failures = {row["failure"] for row in designs}
     assert failures == {"", "ZeroDivisionError"}
     assert all((tmp_path / "designs" / row["design"]).is_file() for row in designs)
+    trips = table(tmp_path / "round_trips.csv")
+    assert {row["form"] for row in trips} == {"old", "new"}
+    assert {row["changed"] for row in trips} == {"0"}
     page = (tmp_path / "nanostructures.md").read_text(encoding="utf-8")
     assert "can start" in page
     assert "Dynamics" not in page
