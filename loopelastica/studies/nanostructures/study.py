@@ -10,12 +10,15 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 
 from loopelastica._files import make_folder, write_csv, write_text
+from loopelastica.nanostructures.laying.lay import lay
 from loopelastica.nanostructures.nanostructure import Nanostructure, nanostructure
+from loopelastica.nanostructures.scadnano.reading import read_design
 from loopelastica.nanostructures.system import System
 from loopelastica.studies.nanostructures import dynamics, lammps, report
-from loopelastica.studies.nanostructures.designs import FAMILIES, LARGE, Family, drawn, package
+from loopelastica.studies.nanostructures.designs import FAMILIES, LARGE, Family, drawn
 from loopelastica.studies.nanostructures.measures import measured, summed
 from loopelastica.studies.nanostructures.round_trips import round_trips
+from loopelastica.studies.nanostructures.sheet import GEOMETRIES, package
 from loopelastica.studies.nanostructures.starts import arc, chord, exported, on_curves
 
 Row = dict[str, Any]
@@ -124,9 +127,6 @@ def _file(family: Family, number: int) -> str:
 
 def _measure(case: _Case, seed: int, out: Path) -> list[Row]:
     """The rows of one design, one for each way."""
-    from loopelastica.nanostructures.laying.lay import lay
-    from loopelastica.nanostructures.scadnano.reading import read_design
-
     design = drawn(case.family, case.number, seed, case.strands)
     path = out / "designs" / _file(case.family, case.number)
     write_text(path, design.to_json())
@@ -138,9 +138,9 @@ def _measure(case: _Case, seed: int, out: Path) -> list[Row]:
         ARCS: lambda: on_curves(system, found.strands, arc),
         EXPORTER: lambda: exported(design, system, found.strands),
     }
-    rows = []
+    rows, geometry = [], GEOMETRIES[case.number % len(GEOMETRIES)]
     for way, make in ways.items():
-        row = {"family": case.family.name, "design": path.name, "way": way}
+        row = {"family": case.family.name, "design": path.name, "geometry": geometry, "way": way}
         row |= _start(make, found, may_fail=way == EXPORTER)
         rows.append(row | {"whole_s": whole if way == RODS else None})
     return rows

@@ -1,8 +1,5 @@
-import sys
-
 import pytest
 
-from loopelastica.errors import MissingDependencyError
 from loopelastica.studies.nanostructures.designs import FAMILIES, LARGE, drawn
 
 ALL = (*FAMILIES, *LARGE)
@@ -41,24 +38,3 @@ def test_a_design_can_be_drawn_again_alone_and_another_seed_draws_another(family
     crowds = family("crowds")
     one, same, other = (drawn(crowds, 2, seed).to_json() for seed in (5, 5, 6))
     assert one == same != other
-
-
-def test_designs_have_the_default_geometry_and_the_relaxed_one_in_turn(family):
-    pytest.importorskip("scadnano")
-    default, relaxed = (drawn(family("spacers"), number, 1) for number in (0, 1))
-    assert default.geometry.inter_helix_gap == 1.0
-    assert relaxed.geometry.inter_helix_gap == 0.1
-    assert any(helix.roll for helix in relaxed.helices.values())
-    assert not any(helix.roll for helix in default.helices.values())
-
-
-def test_lattices_come_in_turn(family):
-    pytest.importorskip("scadnano")
-    grids = [str(drawn(family("tails"), number, 1).grid) for number in (0, 2, 4)]
-    assert grids == ["Grid.square", "Grid.honeycomb", "Grid.hex"]
-
-
-def test_without_scadnano_a_sentence_names_the_extra(monkeypatch, family):
-    monkeypatch.setitem(sys.modules, "scadnano", None)
-    with pytest.raises(MissingDependencyError, match=r"loopelastica\[origami\]"):
-        drawn(family("tails"), 0, 1)

@@ -60,7 +60,8 @@ def test_the_study_compares_four_ways_on_the_same_strands(small, tmp_path):
         assert not re.search(r"\b(nan|inf)\b", text)
 
 
-def test_the_same_seed_gives_the_same_starts(small, tmp_path):
+def test_the_same_seed_gives_the_same_starts(small, tmp_path, monkeypatch):
+    monkeypatch.setattr(study, "FAMILIES", study.FAMILIES[2:])
     one, same, other = (
         [row["backbone"] for row in study.run(tmp_path / name, seed=seed, progress=False)]
         for name, seed in (("a", 1), ("b", 1), ("c", 2))
@@ -68,7 +69,8 @@ def test_the_same_seed_gives_the_same_starts(small, tmp_path):
     assert one == same != other
 
 
-def test_with_steps_rods_and_chords_are_run(small, tmp_path):
+def test_with_steps_rods_and_chords_are_run(small, tmp_path, monkeypatch):
+    monkeypatch.setattr(study, "FAMILIES", study.FAMILIES[:1])
     try:
         lammps.program().close()
     except MissingDependencyError as error:
