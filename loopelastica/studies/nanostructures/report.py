@@ -18,7 +18,7 @@ _NOTE = (
     " model below 0.5064 and above 1.0064; a conflict is two nucleotides whose excluded volume is"
     " 5 kT and more. A strand can start if it has no such bond, no centre nearer than 0.4 to one"
     " that is no neighbour's, and no conflict. Times are processor time, warm; of rods also that of"
-    " `le.nanostructure` from the file on."
+    " `le.nanostructure` from the file on. Small designs take longer per strand than large ones."
 )
 _WAYS_NOTE = (
     "On the same strands, without those that were refused. Chords and arcs are between the same"

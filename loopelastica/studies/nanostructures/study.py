@@ -87,19 +87,17 @@ def run(
         rows += _measure(case, seed, out)
     families = list(dict.fromkeys(case.family for case in cases))
     table = [_row(family, way, rows) for family in families for way in WAYS]
+    write_csv(out / "designs.csv", rows, _names(rows))
+    write_csv(out / "nanostructures.csv", table)
+    report.draw(table, out / "nanostructures.png")
     trips = round_trips(
         out / "designs" / _file(family, number) for family in FAMILIES for number in (0, 1)
     )
-    moved = dynamics.compared(seed, steps, progress) if steps else []
-    write_csv(out / "designs.csv", rows, list(dict.fromkeys(key for row in rows for key in row)))
-    write_csv(out / "nanostructures.csv", table)
     write_csv(out / "round_trips.csv", trips)
+    moved = dynamics.compared(seed, steps, progress) if steps else []
     if moved:
-        write_csv(
-            out / "dynamics.csv", moved, list(dict.fromkeys(key for row in moved for key in row))
-        )
+        write_csv(out / "dynamics.csv", moved, _names(moved))
     write_text(out / "nanostructures.md", report.markdown(table, trips, moved, load))
-    report.draw(table, out / "nanostructures.png")
     return table
 
 
@@ -119,6 +117,11 @@ def check_packages(steps: int) -> None:
     package()
     if steps:
         lammps.program().close()
+
+
+def _names(rows: Sequence[Row]) -> list[str]:
+    """Columns of rows that have not all of them."""
+    return list(dict.fromkeys(key for row in rows for key in row))
 
 
 def _file(family: Family, number: int) -> str:
