@@ -72,7 +72,8 @@ def _ran(system: System, folder: Path, steps: int) -> Row:
         ran = run(system, folder, steps)
     # LAMMPS has one exception for whatever happens
     except Exception as error:
-        return row | {"outcome": " ".join(str(error).split())[:_LONGEST_REASON]}
+        said = " ".join(str(error).split()).partition(" For more information")[0]
+        return row | {"outcome": said[:_LONGEST_REASON]}
     n = len(system)
     return row | {
         "hottest_K": ran.hottest / KELVIN,
