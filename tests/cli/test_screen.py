@@ -390,6 +390,7 @@ COMMANDS = (
     *((name,) for name in ("fold", "fill", "build", "evaluate", "scan", "hairpins", "solve")),
     *(("warm",), ("library",), ("library", "build"), ("library", "list"), ("bench",), ("studies",)),
     *(("bench", name) for name in ("paper", "atoms", "strands", "stability", "scaling")),
+    ("bench", "nanostructures"),
     (),
 )
 

@@ -1,0 +1,1 @@
+"""Starts of simulations of nanostructures: rods, straight chords, arcs and an exporter."""
