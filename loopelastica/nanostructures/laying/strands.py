@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from loopelastica._arrays import Array
 from loopelastica.nanostructures.laying.bases import axes_of, base_directions
 from loopelastica.nanostructures.laying.chains import Chains, Index
 from loopelastica.nanostructures.laying.conflicts import (
@@ -18,13 +19,14 @@ from loopelastica.nanostructures.laying.conflicts import (
     strands_of,
     worst,
 )
+from loopelastica.nanostructures.laying.cores import Cores
 from loopelastica.nanostructures.laying.detours import bow
 from loopelastica.nanostructures.laying.ends import HelixEnds, helix_ends
 from loopelastica.nanostructures.laying.laid import Shape
 from loopelastica.nanostructures.laying.spans import refusal, rods, spans
 from loopelastica.nanostructures.laying.tails import Tail, lay_tails, ring, straight
 from loopelastica.nanostructures.laying.volume import clear, into_window
-from loopelastica.nanostructures.oxdna.energies import nearest_image
+from loopelastica.nanostructures.oxdna.energies import nearest_image, separation
 from loopelastica.nanostructures.oxdna.model import BOND_LENGTH, backbone_sites, centre_of
 from loopelastica.nanostructures.singles import Single, SingleKind
 from loopelastica.nanostructures.system import System
@@ -72,8 +74,13 @@ class Strands:
             n3=system.n3,
             n5=system.n5,
             strand=number,
+            order=np.concatenate(
+                [one.nucleotides for k, one in enumerate(singles) if not kept[k]]
+                or [np.zeros(0, dtype=np.int64)]
+            ),
             tangent=tangent,
             bond=np.full(n, BOND_LENGTH),
+            cores=_cores(system),
             box=system.box,
         )
 
@@ -175,7 +182,9 @@ class Strands:
         found = overlaps(first, self.laid)
         turning = strands_of(found, chains.strand, OVERLAP)
         clear(chains, np.setdiff1d(turning, crossed(first, chains.strand)), move=False)
-        moved = np.zeros(0, dtype=np.int64)
+        found = overlaps(self.composed(), self.laid)
+        moved = np.setdiff1d(strands_of(found, chains.strand, CONFLICT), fixed)
+        clear(chains, moved, move=True, repulsion=Cores)
         for _ in range(_ROUNDS):
             found = overlaps(self.composed(), self.laid)
             which = np.setdiff1d(strands_of(found, chains.strand, OVERLAP), fixed)
@@ -191,6 +200,7 @@ class Strands:
             before, count = chains.sites.copy(), len(self.singles)
             turned = chains.direction.copy()
             bow(chains, [self.singles[k].nucleotides for k in which.tolist()], attempt)
+            clear(chains, which, move=True, repulsion=Cores)
             self._relax(which)
             now = overlaps(self.composed(), self.laid)
             worse = worst(now, chains.strand, count) >= worst(found, chains.strand, count)
@@ -224,3 +234,11 @@ class Strands:
         name = system.strand_name[system.strand[one.nucleotides[0]]]
         ends = " to ".join(system.label[end] for end in (one.before, one.after) if end >= 0)
         return f"{name}, {one.kind} of {len(one)}" + (f" at {ends}" if ends else "")
+
+
+def _cores(system: System) -> Array:
+    """Middles (p, 3) of base pairs."""
+    one = np.flatnonzero((system.pair > np.arange(len(system))) & system.placed)
+    other = system.pair[one]
+    middle = separation(system, system.centre[one], system.centre[other]) / 2
+    return np.asarray(system.centre[one] + middle)

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from chained import crowd, line
 
-from loopelastica.nanostructures.laying.volume import _Forces, bending, clear, into_window
+from loopelastica.nanostructures.laying.forces import Forces
+from loopelastica.nanostructures.laying.neighbours import Neighbours
+from loopelastica.nanostructures.laying.volume import bending, clear, into_window
 
 
 def test_forces_along_a_strand_have_an_energy(rng):
@@ -14,7 +16,7 @@ def test_forces_along_a_strand_have_an_energy(rng):
     chains.tangent[0] = [0, 0, 1]
     chains.strand[[0, 9]] = -1
     rows = np.arange(1, 9)
-    forces, eps = _Forces(chains, rows), 1e-5
+    forces, eps = Forces(chains, rows, Neighbours(chains, rows)), 1e-5
     n = 3 * len(rows)
     matrix = np.zeros((n, n))
     for at in range(n):
