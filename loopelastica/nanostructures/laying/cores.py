@@ -1,4 +1,4 @@
-"""Strands out of helices: what keeps lines from the axes of helices, and lets them through all else.
+"""Strands out of helices: what keeps lines from axes, and lets them through all else.
 
 A line that passes between the backbones of a helix is held there by the repulsion of its
 nucleotides, from both sides. Spheres about the middles of base pairs push it out by the shorter

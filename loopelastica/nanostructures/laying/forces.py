@@ -210,6 +210,7 @@ class Forces:
 
     @staticmethod
     def add(total: Array, index: Index, values: Array) -> None:
+        """Sum values (m, 3) into rows of a total (n, 3); those of index −1 are left out."""
         inside = index >= 0
         for k in range(3):
             total[:, k] += np.bincount(index[inside], values[inside, k], len(total))

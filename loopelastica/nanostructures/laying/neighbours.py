@@ -27,8 +27,8 @@ _REACHES: Final = (
     (1, 1, 0.37, True),
     (2, 2, 0.65, False),
 )
-# nucleotides are listed by their middles first, within the longest distance and what backbones stick
-# out
+# nucleotides are listed by their middles first, within the longest distance and what backbones
+# stick out
 _COARSE: Final = 2
 # of repulsion, oxDNA's units of energy per squared length
 _STIFFNESS: Final = 60.0
@@ -68,7 +68,7 @@ class Neighbours:
     def push(self, force: Array) -> None:
         """Add forces on backbone sites and on directions, (2, n, 3)."""
         now = _sites(self.chains, self.rows)
-        if float(np.abs(now - self.listed).max(initial=0.0)) > _SKIN / (2 * np.sqrt(3)):
+        if float(((now - self.listed) ** 2).sum(axis=2).max()) > (_SKIN / 2) ** 2:
             self._list(now)
         points = np.concatenate([now, self.fixed], axis=1).reshape(-1, 3)
         apart = points[self.second] - points[self.first]

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.nanostructures.laying.bases import axes_of, base_directions
+from loopelastica.nanostructures.laying.bases import axes_of, base_directions, turned_apart
 from loopelastica.nanostructures.laying.chains import Chains, Index
 from loopelastica.nanostructures.laying.conflicts import (
     CONFLICT,
@@ -31,9 +31,9 @@ from loopelastica.nanostructures.oxdna.model import BOND_LENGTH, backbone_sites,
 from loopelastica.nanostructures.singles import Single, SingleKind
 from loopelastica.nanostructures.system import System
 
-# rounds of making way, and sides that a line in conflict is bowed to then
+# rounds of making way, and other ways that are tried for a line in conflict then
 _ROUNDS: Final = 2
-_ATTEMPTS: Final = 3
+_ATTEMPTS: Final = 4
 # between strands that are paired nowhere
 _BESIDE: Final = 3.0
 
@@ -182,9 +182,7 @@ class Strands:
         found = overlaps(first, self.laid)
         turning = strands_of(found, chains.strand, OVERLAP)
         clear(chains, np.setdiff1d(turning, crossed(first, chains.strand)), move=False)
-        found = overlaps(self.composed(), self.laid)
-        moved = np.setdiff1d(strands_of(found, chains.strand, CONFLICT), fixed)
-        clear(chains, moved, move=True, repulsion=Cores)
+        moved = np.zeros(0, dtype=np.int64)
         for _ in range(_ROUNDS):
             found = overlaps(self.composed(), self.laid)
             which = np.setdiff1d(strands_of(found, chains.strand, OVERLAP), fixed)
@@ -199,7 +197,9 @@ class Strands:
                 break
             before, count = chains.sites.copy(), len(self.singles)
             turned = chains.direction.copy()
-            bow(chains, [self.singles[k].nucleotides for k in which.tolist()], attempt)
+            # out of helices; if that is not enough, to one side and then out of what is there
+            if attempt:
+                bow(chains, [self.singles[k].nucleotides for k in which.tolist()], attempt - 1)
             clear(chains, which, move=True, repulsion=Cores)
             self._relax(which)
             now = overlaps(self.composed(), self.laid)
@@ -207,22 +207,46 @@ class Strands:
             back = np.isin(chains.strand, which[worse[which]])
             chains.sites[back], chains.direction[back] = before[back], turned[back]
             found = overlaps(self.composed(), self.laid) if back.any() else now
-        return moved, found
+        return moved, self._centres_apart(found)
+
+    def _centres_apart(self, found: Overlaps) -> Overlaps:
+        """Turn bases whose centres are too near to others, where all else has failed."""
+        chains, system = self.chains, self.composed()
+        centre = system.centre.copy()
+        near = np.isinf(found.energy) & (system.n3[found.first] != found.second)
+        near &= system.n5[found.first] != found.second
+        rows = np.unique(np.concatenate([found.first[near], found.second[near]]))
+        rows = rows[self.laid[rows]]
+        for i, tangent in zip(rows.tolist(), self._tangents(rows), strict=True):
+            others = system.placed.copy()
+            others[[k for k in (i, system.n3[i], system.n5[i]) if k >= 0]] = False
+            chains.direction[i] = turned_apart(
+                chains.sites[i], chains.direction[i], tangent, centre[others], chains.box
+            )
+            axes = axes_of(chains.direction[[i]], tangent[None])
+            centre[i] = centre_of(chains.sites[[i]], *axes)[0]
+        return overlaps(self.composed(), self.laid) if len(rows) else found
 
     def _relax(self, which: Index) -> None:
         clear(self.chains, which, move=True)
         into_window(self.chains, which)
 
-    def composed(self) -> System:
-        """The system with all nucleotides that are placed by now."""
+    def _tangents(self, rows: Index) -> Array:
+        """Vectors (m, 3) along strands at nucleotides that are laid."""
         system, chains = self.system, self.chains
-        rows = np.flatnonzero(self.laid & chains.placed)
         tangent = np.zeros((len(rows), 3))
         for neighbour, sign in ((system.n3, 1.0), (system.n5, -1.0)):
             near = neighbour[rows]
             known = (near >= 0) & chains.placed[near]
             step = chains.sites[near[known]] - chains.sites[rows[known]]
             tangent[known] += sign * nearest_image(step, system.box)
+        return tangent
+
+    def composed(self) -> System:
+        """The system with all nucleotides that are placed by now."""
+        system, chains = self.system, self.chains
+        rows = np.flatnonzero(self.laid & chains.placed)
+        tangent = self._tangents(rows)
         centre, a1, a3 = system.centre.copy(), system.a1.copy(), system.a3.copy()
         a1[rows], a3[rows] = axes_of(chains.direction[rows], tangent)
         centre[rows] = centre_of(chains.sites[rows], a1[rows], a3[rows])

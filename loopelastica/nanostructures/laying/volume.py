@@ -30,10 +30,10 @@ _SHORT: Final = 0.56
 _LONG: Final = 0.99
 _PROJECTIONS: Final = 400
 # steps, also where bases only turn; largest move in one; forces at which a strand is at rest
-_STEPS: Final = 100
+_STEPS: Final = 200
 _TURNING: Final = 20
 _MOVE: Final = 0.25
-_REST: Final = 0.25
+_REST: Final = 0.15
 # damping: at first, after a step that went too far or not, and bounds
 _DAMPING: Final = 0.5
 _TOO_FAR: Final = 0.3
@@ -117,9 +117,8 @@ class _Descent:
 
     def _power(self, force: Array) -> Array:
         """Work of forces (2, n, 3) over the last step of each strand."""
-        return np.bincount(
-            self.own, np.einsum("kij,kij->i", force, self.last), len(self.going)
-        )
+        work = np.einsum("kij,kij->i", force, self.last)
+        return np.asarray(np.bincount(self.own, work, len(self.going)), dtype=np.float64)
 
     def _largest(self, vector: Array) -> Array:
         """Greatest length of vectors (n, 3) on each strand."""
