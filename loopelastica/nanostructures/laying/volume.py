@@ -1,11 +1,8 @@
 """Strands clear of helices and of each other: rods of least energy under a soft repulsion.
 
-Here a strand is a discrete rod: its bonds are springs, its hinges bend with the energy
-K (1 − cos θ) / b, both ends are clamped to the tangents of their helices, and each nucleotide has a
-base on an arm. Backbones, bases and middles of nucleotides repel each other softly out to a little
-beyond the excluded volume of the model. Each strand moves downhill by itself (FIRE: Bitzek et al.,
-Phys. Rev. Lett. 97 (2006) 170201, doi:10.1103/PhysRevLett.97.170201), all at once, with a step of
-its own; so a strand that meets no other one does not depend on them.
+The rod of :mod:`.forces` moves downhill by damped steps of Newton's method, each strand by itself
+and all at once. A strand's damping is its own and grows where a step has gone too far; so a strand
+that meets no other one does not depend on them.
 """
 
 from __future__ import annotations
