@@ -19,8 +19,10 @@ def crowd(rng, n=30, side=2.5, box=0.0):
         n3=n3,
         n5=n5,
         strand=np.where(np.arange(n) < 10, 0, -1),
+        order=np.arange(n),
         tangent=np.zeros((n, 3)),
         bond=np.full(n, 0.7564),
+        cores=np.zeros((0, 3)),
         box=np.full(3, box),
     )
 

@@ -12,13 +12,16 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.nanostructures.laying.ends import across, unit
-from loopelastica.nanostructures.oxdna.model import BACKBONE_A1, BACKBONE_A2, BASE_A1
+from loopelastica.nanostructures.oxdna.energies import nearest_image
+from loopelastica.nanostructures.oxdna.model import BACKBONE_A1, BACKBONE_A2, BASE_A1, centre_of
 
 _ALONG: Final = BASE_A1 - BACKBONE_A1
 REACH: Final = float(np.hypot(_ALONG, BACKBONE_A2))
 """Distance of the base site from the backbone site, oxDNA's units."""
 _COS: Final = _ALONG / REACH
 _SIN: Final = BACKBONE_A2 / REACH
+# directions about the strand that are looked at
+_WAYS: Final = 24
 MIDDLE: Final = float(-BACKBONE_A1 * _COS + BACKBONE_A2 * _SIN) / REACH
 """Where the centre is beside the line from backbone to base, as a share of it."""
 
@@ -47,3 +50,25 @@ def axes_of(direction: Array, tangent: Array) -> tuple[Array, Array]:
     a3 = across(-tangent, direction)
     a1 = across(_COS * direction + _SIN * np.cross(a3, direction), a3)
     return a1, a3
+
+
+def turned_apart(site: Array, direction: Array, tangent: Array, others: Array, box: Array) -> Array:
+    """Direction (3,) about a strand in which a centre is furthest from others.
+
+    Parameters
+    ----------
+    site, direction, tangent : (3,) array
+        Of the nucleotide, as for :func:`axes_of`.
+    others : (m, 3) array
+        Centres to keep away from.
+    box : (3,) array
+        Sides of the periodic box; 0 where there is none.
+    """
+    normal = unit(tangent)
+    first = across(direction[None], normal[None])[0]
+    angle = 2 * np.pi * np.arange(_WAYS)[:, None] / _WAYS
+    ways = np.cos(angle) * first + np.sin(angle) * np.cross(normal, first)
+    centres = centre_of(site, *axes_of(ways, np.tile(tangent, (_WAYS, 1))))
+    apart = nearest_image(others[None] - centres[:, None], box)
+    room = np.linalg.norm(apart, axis=2).min(axis=1)
+    return np.asarray(ways[int(np.argmax(room))])

@@ -26,10 +26,14 @@ class Chains:
         Neighbours, −1 for none.
     strand : (N,) array of int
         Which single strand a nucleotide is laid in, −1 for none.
+    order : (n,) array of int
+        The nucleotides that are laid, strand by strand from 5' to 3'.
     tangent : (N, 3) array
         Of helices at their ends; zero for other nucleotides.
     bond : (N,) array
         Length of the bonds of the nucleotide's strand.
+    cores : (p, 3) array
+        Middles of base pairs, on the axes of helices.
     box : (3,) array
         Sides of the periodic box; 0 where there is none.
     """
@@ -40,6 +44,8 @@ class Chains:
     n3: Index
     n5: Index
     strand: Index
+    order: Index
     tangent: Array
     bond: Array
+    cores: Array
     box: Array

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.nanostructures.laying.bases import MIDDLE, REACH
-from loopelastica.nanostructures.laying.cells import beside
+from loopelastica.nanostructures.laying.cells import beside, wrapped
 from loopelastica.nanostructures.laying.chains import Chains, Index
 from loopelastica.nanostructures.oxdna.energies import nearest_image
 
@@ -28,10 +27,16 @@ _REACHES: Final = (
     (1, 1, 0.37, True),
     (2, 2, 0.65, False),
 )
+# nucleotides are listed by their middles first, within the longest distance and what backbones
+# stick out
+_COARSE: Final = 2
 # of repulsion, oxDNA's units of energy per squared length
 _STIFFNESS: Final = 60.0
+# what is so much further than the distances above counts for stiffness, lest a step go into it
+_AHEAD: Final = 0.03
 # how much further than the distances above neighbours are listed
 _SKIN: Final = 0.4
+_FAR: Final = _REACHES[0][2] + _SKIN + 2 * MIDDLE * REACH
 # what is further than this from all that moves at first is not looked at; what comes there is put
 # right in the next round
 _AROUND: Final = 5.0
@@ -45,7 +50,7 @@ class Neighbours:
     chains : Chains
         All nucleotides.
     rows : (n,) array of int
-        Those that move, rising.
+        Those that move.
     """
 
     def __init__(self, chains: Chains, rows: Index) -> None:
@@ -56,94 +61,93 @@ class Neighbours:
         if self.box is None:
             still &= beside(chains.sites, chains.sites[rows], _AROUND)
         self.others = np.flatnonzero(still)
-        self.still = [
-            chains.sites[self.others] + share * chains.direction[self.others] for share in _SHARES
-        ]
-        self.trees = [self._tree(points) for points in self.still]
+        self.still = _sites(chains, self.others)
+        self.tree = self._tree(self.still[_COARSE])
         self.listed = np.full((len(_SHARES), len(rows), 3), np.inf)
 
     def push(self, force: Array) -> None:
         """Add forces on backbone sites and on directions, (2, n, 3)."""
-        now = self._moving()
-        if self._moved(now) > _SKIN / 2:
+        now = _sites(self.chains, self.rows)
+        if float(((now - self.listed) ** 2).sum(axis=2).max()) > (_SKIN / 2) ** 2:
             self._list(now)
-        n = len(self.rows)
-        points = np.concatenate([*now, self.fixed])
+        points = np.concatenate([now, self.fixed], axis=1).reshape(-1, 3)
         apart = points[self.second] - points[self.first]
         if self.box is not None:
             apart = nearest_image(apart, self.box)
         square = np.einsum("ij,ij->i", apart, apart)
-        near = np.flatnonzero(square < self.reach**2)
-        if not len(near):
-            return
+        near = np.flatnonzero(square < (self.reach + _AHEAD) ** 2)
         distance = np.sqrt(np.maximum(square[near], 1e-12))
-        push = (_STIFFNESS * (self.reach[near] / distance - 1))[:, None] * apart[near]
-        first, second = self.first[near], self.second[near]
+        line = apart[near] / distance[:, None]
+        self.meeting = self.first[near], self.second[near], line
+        push = _STIFFNESS * np.maximum(self.reach[near] - distance, 0.0)[:, None] * line
         for k in range(3):
-            total = np.bincount(second, push[:, k], len(points))
-            total -= np.bincount(first, push[:, k], len(points))
-            for kind, share in enumerate(_SHARES):
-                own = total[kind * n : (kind + 1) * n]
-                force[0][:, k] += own
-                force[1][:, k] += share * own
+            total = np.bincount(self.meeting[1], push[:, k], len(points))
+            total -= np.bincount(self.meeting[0], push[:, k], len(points))
+            own = total.reshape(len(_SHARES), -1)[:, : len(self.rows)]
+            force[0][:, k] += own.sum(axis=0)
+            force[1][:, k] += np.array(_SHARES) @ own
 
-    def _moving(self) -> Array:
-        sites, direction = self.chains.sites[self.rows], self.chains.direction[self.rows]
-        return np.stack([sites + share * direction for share in _SHARES])
+    def stiffness(self) -> Array:
+        """How stiff the repulsion last found is, (2, n, 3, 3): of sites, and of directions.
 
-    def _moved(self, now: Array) -> float:
-        return float(np.linalg.norm(now - self.listed, axis=2).max())
+        Along the line of each two sites only; and twice as much for two that both move, and for
+        bases, which move with their sites and with their directions: then what each does by itself
+        does not go too far together.
+        """
+        n, (first, second, line) = len(self.rows), self.meeting
+        every = n + self.fixed.shape[1]
+        both = second % every < n
+        weight = _STIFFNESS * np.where(both, 2.0, 1.0)
+        ends = np.concatenate([first, second[both]])
+        line, weight = (np.concatenate([part, part[both]]) for part in (line, weight))
+        share, own = np.array(_SHARES)[ends // every], ends % every
+        weight *= np.where(share > 0, 2.0, 1.0)
+        found = np.zeros((2, n, 3, 3))
+        for i in range(3):
+            for j in range(i + 1):
+                product = weight * line[:, i] * line[:, j]
+                for kind, scale in enumerate((1.0, share**2)):
+                    total = np.bincount(own, product * scale, n)
+                    found[kind, :, i, j] = found[kind, :, j, i] = total
+        return found
 
     def _list(self, now: Array) -> None:
         """Note which sites are near each other."""
-        n = len(self.rows)
+        n, chains = len(self.rows), self.chains
         self.listed = now
-        trees = [self._tree(points) for points in now]
-        first, second, reach, fixed = [], [], [], [np.zeros((0, 3))]
-        used = 3 * n
-        for a, b, distance, bonded in _REACHES:
-            i, j = self._pairs(trees[a], self.trees[b], distance)
-            if not bonded:
-                apart = self._apart(i, self.others[j])
-                i, j = i[apart], j[apart]
-            met, place = np.unique(j, return_inverse=True)
-            fixed.append(self.still[b][met])
-            first.append(a * n + i)
-            second.append(used + place)
-            used += len(met)
-            reach.append(np.full(len(i), distance))
-            # two that move: backbone and base from one side only, which finds both orders
-            if a > b:
-                continue
-            i, j = self._pairs(trees[a], trees[b], distance)
-            keep = i < j if a == b else i != j
-            if not bonded:
-                keep &= self._apart(i, self.rows[j])
-            first.append(a * n + i[keep])
-            second.append(b * n + j[keep])
-            reach.append(np.full(int(keep.sum()), distance))
-        self.first, self.second = np.concatenate(first), np.concatenate(second)
-        self.reach, self.fixed = np.concatenate(reach), np.concatenate(fixed)
-
-    def _apart(self, i: Index, other: Index) -> NDArray[np.bool_]:
-        """Whether nucleotides that move are not bonded to others."""
-        own = self.rows[i]
-        apart: NDArray[np.bool_] = (self.chains.n3[own] != other) & (self.chains.n5[own] != other)
-        return apart
-
-    @staticmethod
-    def _pairs(one: cKDTree, other: cKDTree, distance: float) -> tuple[Index, Index]:
-        found = one.sparse_distance_matrix(other, distance + _SKIN, output_type="ndarray")
+        tree = self._tree(now[_COARSE])
+        moving = tree.query_pairs(_FAR, output_type="ndarray").astype(np.int64)
+        found = tree.sparse_distance_matrix(self.tree, _FAR, output_type="ndarray")
+        met, place = np.unique(found["j"], return_inverse=True)
+        i = np.concatenate([moving[:, 0], found["i"]])
+        j = np.concatenate([moving[:, 1], n + place])
         # one order, whatever the trees: sums are the same to the last bit
-        i, j = found["i"].astype(np.int64), found["j"].astype(np.int64)
-        order = np.argsort(i * other.n + j)
-        return i[order], j[order]
+        order = np.lexsort((j, i))
+        i, j = i[order], j[order]
+        self.fixed = self.still[:, met]
+        points = np.concatenate([now, self.fixed], axis=1)
+        names = np.concatenate([self.rows, self.others[met]])
+        bonded = (chains.n3[names[i]] == names[j]) | (chains.n5[names[i]] == names[j])
+        first, second, reach = [], [], []
+        for a, b, distance, also_bonded in _REACHES:
+            apart = points[b, j] - points[a, i]
+            if self.box is not None:
+                apart = nearest_image(apart, self.box)
+            near = np.einsum("ij,ij->i", apart, apart) < (distance + _SKIN) ** 2
+            near &= also_bonded | ~bonded
+            first.append(a * len(names) + i[near])
+            second.append(b * len(names) + j[near])
+            reach.append(np.full(len(first[-1]), distance))
+        self.first, self.second = np.concatenate(first), np.concatenate(second)
+        self.reach = np.concatenate(reach)
 
     def _tree(self, points: Array) -> cKDTree:
         from scipy.spatial import cKDTree
 
-        if self.box is not None:
-            points = points % self.box
-            # a tiny negative number comes out as the side itself
-            points = np.where(points >= self.box, 0.0, points)
-        return cKDTree(points, boxsize=self.box)
+        return cKDTree(wrapped(points, self.box), boxsize=self.box)
+
+
+def _sites(chains: Chains, rows: Index) -> Array:
+    """Backbone, base and middle (3, m, 3) of nucleotides."""
+    share = np.array(_SHARES)[:, None, None]
+    return np.asarray(chains.sites[rows] + share * chains.direction[rows])

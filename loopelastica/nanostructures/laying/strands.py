@@ -7,7 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from loopelastica.nanostructures.laying.bases import axes_of, base_directions
+from loopelastica._arrays import Array
+from loopelastica.nanostructures.laying.bases import axes_of, base_directions, turned_apart
 from loopelastica.nanostructures.laying.chains import Chains, Index
 from loopelastica.nanostructures.laying.conflicts import (
     CONFLICT,
@@ -18,20 +19,21 @@ from loopelastica.nanostructures.laying.conflicts import (
     strands_of,
     worst,
 )
+from loopelastica.nanostructures.laying.cores import Cores
 from loopelastica.nanostructures.laying.detours import bow
 from loopelastica.nanostructures.laying.ends import HelixEnds, helix_ends
 from loopelastica.nanostructures.laying.laid import Shape
 from loopelastica.nanostructures.laying.spans import refusal, rods, spans
 from loopelastica.nanostructures.laying.tails import Tail, lay_tails, ring, straight
 from loopelastica.nanostructures.laying.volume import clear, into_window
-from loopelastica.nanostructures.oxdna.energies import nearest_image
+from loopelastica.nanostructures.oxdna.energies import nearest_image, separation
 from loopelastica.nanostructures.oxdna.model import BOND_LENGTH, backbone_sites, centre_of
 from loopelastica.nanostructures.singles import Single, SingleKind
 from loopelastica.nanostructures.system import System
 
-# rounds of making way, and sides that a line in conflict is bowed to then
+# rounds of making way, and other ways that are tried for a line in conflict then
 _ROUNDS: Final = 2
-_ATTEMPTS: Final = 3
+_ATTEMPTS: Final = 4
 # between strands that are paired nowhere
 _BESIDE: Final = 3.0
 
@@ -72,8 +74,13 @@ class Strands:
             n3=system.n3,
             n5=system.n5,
             strand=number,
+            order=np.concatenate(
+                [one.nucleotides for k, one in enumerate(singles) if not kept[k]]
+                or [np.zeros(0, dtype=np.int64)]
+            ),
             tangent=tangent,
             bond=np.full(n, BOND_LENGTH),
+            cores=_cores(system),
             box=system.box,
         )
 
@@ -190,29 +197,56 @@ class Strands:
                 break
             before, count = chains.sites.copy(), len(self.singles)
             turned = chains.direction.copy()
-            bow(chains, [self.singles[k].nucleotides for k in which.tolist()], attempt)
+            # out of helices; if that is not enough, to one side and then out of what is there
+            if attempt:
+                bow(chains, [self.singles[k].nucleotides for k in which.tolist()], attempt - 1)
+            clear(chains, which, move=True, repulsion=Cores)
             self._relax(which)
             now = overlaps(self.composed(), self.laid)
             worse = worst(now, chains.strand, count) >= worst(found, chains.strand, count)
             back = np.isin(chains.strand, which[worse[which]])
             chains.sites[back], chains.direction[back] = before[back], turned[back]
             found = overlaps(self.composed(), self.laid) if back.any() else now
-        return moved, found
+        return moved, self._centres_apart(found)
+
+    def _centres_apart(self, found: Overlaps) -> Overlaps:
+        """Turn bases whose centres are too near to others, where all else has failed."""
+        chains, system = self.chains, self.composed()
+        centre = system.centre.copy()
+        near = np.isinf(found.energy) & (system.n3[found.first] != found.second)
+        near &= system.n5[found.first] != found.second
+        rows = np.unique(np.concatenate([found.first[near], found.second[near]]))
+        rows = rows[self.laid[rows]]
+        for i, tangent in zip(rows.tolist(), self._tangents(rows), strict=True):
+            others = system.placed.copy()
+            others[[k for k in (i, system.n3[i], system.n5[i]) if k >= 0]] = False
+            chains.direction[i] = turned_apart(
+                chains.sites[i], chains.direction[i], tangent, centre[others], chains.box
+            )
+            axes = axes_of(chains.direction[[i]], tangent[None])
+            centre[i] = centre_of(chains.sites[[i]], *axes)[0]
+        return overlaps(self.composed(), self.laid) if len(rows) else found
 
     def _relax(self, which: Index) -> None:
         clear(self.chains, which, move=True)
         into_window(self.chains, which)
 
-    def composed(self) -> System:
-        """The system with all nucleotides that are placed by now."""
+    def _tangents(self, rows: Index) -> Array:
+        """Vectors (m, 3) along strands at nucleotides that are laid."""
         system, chains = self.system, self.chains
-        rows = np.flatnonzero(self.laid & chains.placed)
         tangent = np.zeros((len(rows), 3))
         for neighbour, sign in ((system.n3, 1.0), (system.n5, -1.0)):
             near = neighbour[rows]
             known = (near >= 0) & chains.placed[near]
             step = chains.sites[near[known]] - chains.sites[rows[known]]
             tangent[known] += sign * nearest_image(step, system.box)
+        return tangent
+
+    def composed(self) -> System:
+        """The system with all nucleotides that are placed by now."""
+        system, chains = self.system, self.chains
+        rows = np.flatnonzero(self.laid & chains.placed)
+        tangent = self._tangents(rows)
         centre, a1, a3 = system.centre.copy(), system.a1.copy(), system.a3.copy()
         a1[rows], a3[rows] = axes_of(chains.direction[rows], tangent)
         centre[rows] = centre_of(chains.sites[rows], a1[rows], a3[rows])
@@ -224,3 +258,11 @@ class Strands:
         name = system.strand_name[system.strand[one.nucleotides[0]]]
         ends = " to ".join(system.label[end] for end in (one.before, one.after) if end >= 0)
         return f"{name}, {one.kind} of {len(one)}" + (f" at {ends}" if ends else "")
+
+
+def _cores(system: System) -> Array:
+    """Middles (p, 3) of base pairs."""
+    one = np.flatnonzero((system.pair > np.arange(len(system))) & system.placed)
+    other = system.pair[one]
+    middle = separation(system, system.centre[one], system.centre[other]) / 2
+    return np.asarray(system.centre[one] + middle)

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.nanostructures.laying.bases import REACH
+from loopelastica.nanostructures.laying.cells import wrapped
 from loopelastica.nanostructures.laying.chains import Chains
 from loopelastica.nanostructures.laying.ends import across
-from loopelastica.nanostructures.oxdna.energies import nearest_image
 from loopelastica.nanostructures.oxdna.model import BOND_LENGTH
 
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
 # backbones of a straight tail are as far from other backbones, and from bases, as this
-_BACKBONES: Final = 0.73
-_BASES: Final = 0.55
+_LEAST: Final = (0.73, 0.55)
+_SHARES: Final = (0.0, REACH)
 # tilts from the helix' tangent and turns about it that are tried, the least tilt first, outwards
 # first
 _TILTS: Final = np.radians([20.0, 40.0, 60.0, 80.0, 100.0, 120.0])
 _TURNS: Final = 2 * np.pi / 12 * np.array([0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6])
-# tails that are looked through one by one before they go into the tree of sites
-_MANY: Final = 64
+# of rounding
+_EPS: Final = 1e-9
 
 
 class Tail(NamedTuple):
@@ -53,11 +57,13 @@ def lay_tails(chains: Chains, tails: list[Tail], turn: bool) -> None:
     for tail in tails:
         start, count = chains.sites[tail.anchor], len(tail.nucleotides)
         best, room = tail.tangent, -np.inf
-        for direction in _directions(tail) if turn else ():
-            free = crowd.room(straight(start, direction, count), tail.anchor)
-            if free > room + 1e-9:
-                best, room = direction, free
-            if room >= 0:
+        for directions in _directions(tail) if turn else ():
+            lines = np.stack([straight(start, direction, count) for direction in directions])
+            free = crowd.room(lines, tail.anchor)
+            first = int(np.argmax(free > -_EPS)) if (free > -_EPS).any() else int(np.argmax(free))
+            if free[first] > room + _EPS:
+                best, room = directions[first], free[first]
+            if room > -_EPS:
                 break
         chains.sites[tail.nucleotides] = straight(start, best, count)
         towards = across(chains.direction[tail.anchor][None], best[None])
@@ -79,60 +85,52 @@ def ring(count: int) -> tuple[Array, Array]:
     return BOND_LENGTH / (2 * np.sin(np.pi / count)) * outward, outward
 
 
-def _directions(tail: Tail) -> list[Array]:
-    """Unit vectors (3,) to try, the helix' tangent first."""
+def _directions(tail: Tail) -> Iterator[Array]:
+    """Unit vectors (k, 3) to try, the helix' tangent first, then all of one tilt together."""
     side = np.cross(tail.tangent, tail.outward)
-    sideways = [np.cos(turn) * tail.outward + np.sin(turn) * side for turn in _TURNS]
-    return [tail.tangent] + [
-        np.cos(tilt) * tail.tangent + np.sin(tilt) * towards
-        for tilt in _TILTS
-        for towards in sideways
-    ]
+    sideways = np.outer(np.cos(_TURNS), tail.outward) + np.outer(np.sin(_TURNS), side)
+    yield tail.tangent[None]
+    for tilt in _TILTS:
+        yield np.cos(tilt) * tail.tangent + np.sin(tilt) * sideways
 
 
 class _Crowd:
-    """What is laid already, in two trees and a list of what is not in them yet."""
+    """What is laid already, in trees: one of what was there, and of tails few that grow."""
 
     def __init__(self, chains: Chains) -> None:
         self.chains = chains
         self.box = chains.box if (chains.box > 0).all() else None
-        self._plant()
+        self.parts: list[tuple[NDArray[np.int64], list[cKDTree]]] = []
+        self.known = np.flatnonzero(chains.placed)
+        self.trees = self._trees(self.known)
 
-    def _plant(self) -> None:
+    def _trees(self, rows: NDArray[np.int64]) -> list[cKDTree]:
+        """Of backbones and of bases."""
         from scipy.spatial import cKDTree
 
-        chains = self.chains
-        self.recent: list[int] = []
-        self.known = np.flatnonzero(chains.placed)
-        self.trees = [
-            cKDTree(self._inside(chains.sites[self.known] + share * chains.direction[self.known]),
-                    boxsize=self.box)
-            for share in (0.0, REACH)
-        ]  # fmt: skip
-
-    def _inside(self, points: Array) -> Array:
-        if self.box is None:
-            return points
-        points = points % self.box
-        return np.where(points >= self.box, 0.0, points)
+        sites, direction = self.chains.sites[rows], self.chains.direction[rows]
+        return [
+            cKDTree(wrapped(sites + share * direction, self.box), boxsize=self.box)
+            for share in _SHARES
+        ]
 
     def add(self, nucleotides: NDArray[np.int64]) -> None:
-        self.recent += nucleotides.tolist()
-        if len(self.recent) > _MANY:
-            self._plant()
+        """Note a tail. Parts of like size become one, so that there are never many."""
+        while self.parts and len(self.parts[-1][0]) < 2 * len(nucleotides):
+            nucleotides = np.concatenate([self.parts.pop()[0], nucleotides])
+        self.parts.append((nucleotides, self._trees(nucleotides)))
 
-    def room(self, line: Array, anchor: int) -> float:
-        """By how much sites of a line are further from all others than they must be."""
-        chains, free = self.chains, []
-        for tree, share, least in zip(self.trees, (0.0, REACH), (_BACKBONES, _BASES), strict=True):
+    def room(self, lines: Array, anchor: int) -> Array:
+        """By how much sites of lines (k, n, 3) are too near to others (k,): 0 or less."""
+        points = wrapped(lines.reshape(-1, 3), self.box)
+        room = np.zeros(len(points))
+        for tree, least in zip(self.trees, _LEAST, strict=True):
             # the nucleotide that the tail is bonded to is left out where it is the nearest
-            distance, which = tree.query(self._inside(line), k=2, distance_upper_bound=least)
-            own = np.append(self.known, -1)[which] == anchor
-            distance[:, 0] = np.where(own[:, 0], distance[:, 1], distance[:, 0])
-            free.append(min(float(distance[:, 0].min()), least) - least)
-            if self.recent:
-                others = chains.sites[self.recent] + share * chains.direction[self.recent]
-                apart = (others[None] - line[:, None]).reshape(-1, 3)
-                nearest = np.linalg.norm(nearest_image(apart, chains.box), axis=1).min()
-                free.append(min(float(nearest), least) - least)
-        return min(free)
+            distance, which = tree.query(points, k=2, distance_upper_bound=least)
+            own = np.append(self.known, -1)[which[:, 0]] == anchor
+            room = np.minimum(room, np.where(own, distance[:, 1], distance[:, 0]) - least)
+        for _, trees in self.parts:
+            for tree, least in zip(trees, _LEAST, strict=True):
+                distance, _ = tree.query(points, distance_upper_bound=least)
+                room = np.minimum(room, distance - least)
+        return np.asarray(room.reshape(len(lines), -1).min(axis=1))

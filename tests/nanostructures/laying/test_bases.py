@@ -3,8 +3,14 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from loopelastica.nanostructures.laying.bases import MIDDLE, REACH, axes_of, base_directions
-from loopelastica.nanostructures.oxdna.model import backbone_sites, base_sites
+from loopelastica.nanostructures.laying.bases import (
+    MIDDLE,
+    REACH,
+    axes_of,
+    base_directions,
+    turned_apart,
+)
+from loopelastica.nanostructures.oxdna.model import backbone_sites, base_sites, centre_of
 
 
 def test_directions_point_from_backbone_sites_to_base_sites(rng):
@@ -32,3 +38,17 @@ def test_a_base_along_the_strand_has_axes_too():
     a1, a3 = axes_of(np.array([[0.0, 0, 1]]), np.array([[0.0, 0, 5]]))
     assert abs(float(a1[0] @ a3[0])) < 1e-15
     np.testing.assert_allclose(np.linalg.norm([a1, a3], axis=2), 1.0)
+
+
+def test_a_base_turns_away_from_a_centre_that_its_own_is_on():
+    site, tangent = np.zeros(3), np.array([0.0, 0, 0.7])
+    direction = np.array([1.0, 0, 0])
+
+    def centre(towards):
+        return centre_of(site[None], *axes_of(towards[None], tangent[None]))
+
+    for box in (np.zeros(3), np.full(3, 10.0)):
+        met = centre(direction) + box
+        found = turned_apart(site, direction, tangent, met, box)
+        assert np.linalg.norm(centre(found) + box - met) > 0.8
+        assert abs(found @ tangent) < 1e-12

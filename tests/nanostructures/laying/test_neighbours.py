@@ -48,3 +48,18 @@ def test_the_repulsion_is_the_slope_of_an_energy_of_all_pairs(rng, box):
                     slope += sign * energy(chains) / (2 * eps)
                     values[i, k] -= sign * eps
                 assert force[kind, i, k] == pytest.approx(-slope, abs=1e-4)
+
+
+def test_the_repulsion_is_stiff_along_lines_between_sites_only():
+    chains = crowd(np.random.default_rng(0), n=2, side=0.0)
+    chains.sites[1] = [0.7, 0.0, 0.0]
+    chains.direction[:] = [[-1.0, 0, 0], [1, 0, 0]]
+    chains.n3[:], chains.n5[:] = -1, -1
+    found = Neighbours(chains, np.array([0]))
+    found.push(np.zeros((2, 1, 3)))
+    np.testing.assert_allclose(found.stiffness()[0, 0], np.diag([60.0, 0, 0]), atol=1e-12)
+    assert not found.stiffness()[1].any()
+    # twice as much where both move
+    both = Neighbours(chains, np.array([0, 1]))
+    both.push(np.zeros((2, 2, 3)))
+    np.testing.assert_allclose(both.stiffness()[0, 1], np.diag([120.0, 0, 0]), atol=1e-12)
