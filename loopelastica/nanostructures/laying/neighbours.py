@@ -119,14 +119,13 @@ class Neighbours:
         moving = tree.query_pairs(_FAR, output_type="ndarray").astype(np.int64)
         found = tree.sparse_distance_matrix(self.tree, _FAR, output_type="ndarray")
         met, place = np.unique(found["j"], return_inverse=True)
-        i = np.concatenate([moving[:, 0], found["i"]])
-        j = np.concatenate([moving[:, 1], n + place])
-        # one order, whatever the trees: sums are the same to the last bit
-        order = np.lexsort((j, i))
-        i, j = i[order], j[order]
         self.fixed = self.still[:, met]
         points = np.concatenate([now, self.fixed], axis=1)
         names = np.concatenate([self.rows, self.others[met]])
+        pairs = np.concatenate([moving @ [len(names), 1], found["i"] * len(names) + n + place])
+        # one order, whatever the trees: sums are the same to the last bit
+        pairs.sort()
+        i, j = np.divmod(pairs, len(names))
         bonded = (chains.n3[names[i]] == names[j]) | (chains.n5[names[i]] == names[j])
         first, second, reach = [], [], []
         for a, b, distance, also_bonded in _REACHES:
