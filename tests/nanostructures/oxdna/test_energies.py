@@ -51,6 +51,22 @@ def test_each_energy_is_that_of_lammps(made, tmp_path, temperature_K, salt_M):
         assert mine == pytest.approx(theirs[other], rel=2e-6, abs=1e-9), other
 
 
+def test_energies_of_a_shaken_nicked_duplex_are_those_that_lammps_gave():
+    """Without LAMMPS too: values of its version of 2025-07-22, of a duplex drawn from a seed."""
+    rng = np.random.default_rng(21)
+    system = strands.shaken(strands.nicked(SEQUENCE, 7), rng, 0.01, 0.05)
+    ours = energies(system, 300.0, 0.5)
+    charges = electrostatics(system, 300.0, 0.5, half_charged_ends=False).energy.sum()
+    assert ours["backbone"] == pytest.approx(0.6196799374, rel=1e-9)
+    assert ours["bonded_excluded_volume"] == 0
+    assert ours["nonbonded_excluded_volume"] == pytest.approx(0.8751876907, rel=1e-9)
+    assert ours["stacking"] == pytest.approx(-27.3791307693, rel=1e-9)
+    assert ours["hydrogen_bonding"] == pytest.approx(-11.8160877748, rel=1e-9)
+    assert ours["cross_stacking"] == pytest.approx(-4.5499634185, rel=1e-9)
+    assert ours["coaxial_stacking"] == pytest.approx(-0.6039553972, rel=1e-9)
+    assert charges == pytest.approx(0.2264449187, rel=1e-9)
+
+
 def test_excluded_volume_of_strands_that_overlap_is_that_of_lammps(tmp_path, rng):
     one = strands.shaken(strands.helix(SEQUENCE), rng)
     other = strands.moved(one, Rotation.from_euler("xy", [70, 20], degrees=True), [1.2, 0.3, 2.0])
