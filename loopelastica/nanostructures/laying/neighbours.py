@@ -35,7 +35,7 @@ _STIFFNESS: Final = 60.0
 # what is so much further than the distances above counts for stiffness, lest a step go into it
 _AHEAD: Final = 0.03
 # how much further than the distances above neighbours are listed
-_SKIN: Final = 0.4
+_SKIN: Final = 0.6
 _FAR: Final = _REACHES[0][2] + _SKIN + 2 * MIDDLE * REACH
 # what is further than this from all that moves at first is not looked at; what comes there is put
 # right in the next round

@@ -29,10 +29,10 @@ _PROJECTIONS: Final = 400
 # steps, also where bases only turn; largest move in one; forces at which a strand is at rest
 _STEPS: Final = 200
 _TURNING: Final = 20
-_MOVE: Final = 0.25
+_MOVE: Final = 0.35
 _REST: Final = 0.15
 # damping: at first, after a step that went too far or not, and bounds
-_DAMPING: Final = 0.5
+_DAMPING: Final = 0.3
 _TOO_FAR: Final = 0.3
 _HARDER: Final = 3.0
 _SOFTER: Final = 0.4
