@@ -12,8 +12,8 @@ import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.nanostructures.laying.ends import across, unit
-from loopelastica.nanostructures.oxdna.energies import nearest_image
 from loopelastica.nanostructures.oxdna.model import BACKBONE_A1, BACKBONE_A2, BASE_A1, centre_of
+from loopelastica.nanostructures.oxdna.periodic import nearest_image
 
 _ALONG: Final = BASE_A1 - BACKBONE_A1
 REACH: Final = float(np.hypot(_ALONG, BACKBONE_A2))

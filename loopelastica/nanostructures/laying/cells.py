@@ -1,4 +1,4 @@
-"""Which points are near others, coarsely, by the cells of a grid; and points in a periodic box."""
+"""Which points are near others, coarsely: by the cells of a grid that they are in."""
 
 from __future__ import annotations
 
@@ -43,12 +43,3 @@ def beside(points: Array, others: Array, size: float) -> NDArray[np.bool_]:
     found = np.zeros(len(points), dtype=bool)
     found[inside] = np.isin(cell[inside] @ stride, wanted)
     return found
-
-
-def wrapped(points: Array, box: Array | None) -> Array:
-    """Points (n, 3) inside of a periodic box (3,), for trees; as they are without one."""
-    if box is None:
-        return points
-    points = points % box
-    # a tiny negative number comes out as the side itself
-    return np.where(points >= box, 0.0, points)

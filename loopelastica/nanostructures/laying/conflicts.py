@@ -19,6 +19,7 @@ from loopelastica.nanostructures.oxdna.energies import (
     separation,
 )
 from loopelastica.nanostructures.oxdna.model import BOND_LONGEST, BOND_SHORTEST, backbone_sites
+from loopelastica.nanostructures.oxdna.periodic import tree_of, wrapped
 from loopelastica.nanostructures.system import System
 
 Index = NDArray[np.int64]
@@ -185,19 +186,13 @@ def nearest_others(system: System, laid: NDArray[np.bool_]) -> Array:
 
     Looked for up to 4, beyond which nothing meets: inf there as well.
     """
-    from scipy.spatial import cKDTree
-
     found = np.full(len(system), np.inf)
     rows, placed = np.flatnonzero(laid & system.placed), np.flatnonzero(system.placed)
     if not len(rows):
         return found
-    box = system.box if (system.box > 0).all() else None
-    points = system.centre
-    if box is not None:
-        points = points % box
-        points = np.where(points >= box, 0.0, points)
+    tree = tree_of(system.centre[placed], system.box)
     # itself and two neighbours come before it at most
-    distance, which = cKDTree(points[placed], boxsize=box).query(points[rows], k=4)
+    distance, which = tree.query(wrapped(system.centre[rows], system.box), k=4)
     other = np.append(placed, -1)[np.minimum(which, len(placed))]
     known = (
         (other < 0)

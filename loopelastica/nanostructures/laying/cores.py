@@ -12,9 +12,8 @@ from typing import Final
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.nanostructures.laying.cells import wrapped
 from loopelastica.nanostructures.laying.chains import Chains, Index
-from loopelastica.nanostructures.oxdna.energies import nearest_image
+from loopelastica.nanostructures.oxdna.periodic import nearest_image, tree_of, wrapped
 
 # radius of spheres: backbone sites of a helix are 1.0 from its axis
 _RADIUS: Final = 1.3
@@ -36,18 +35,15 @@ class Cores:
     """
 
     def __init__(self, chains: Chains, rows: Index) -> None:
-        from scipy.spatial import cKDTree
-
         self.chains, self.rows = chains, rows
-        self.box = chains.box if (chains.box > 0).all() else None
-        self.tree = cKDTree(wrapped(chains.cores, self.box), boxsize=self.box)
+        self.tree = tree_of(chains.cores, chains.box)
         self.at, self.line = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
 
     def push(self, force: Array) -> None:
         """Add forces on backbone sites, (2, n, 3)."""
         sites = self.chains.sites[self.rows]
         distance, which = self.tree.query(
-            wrapped(sites, self.box), k=_MOST, distance_upper_bound=_RADIUS
+            wrapped(sites, self.chains.box), k=_MOST, distance_upper_bound=_RADIUS
         )
         self.at, column = np.nonzero(np.isfinite(distance))
         away = sites[self.at] - self.chains.cores[which[self.at, column]]

@@ -16,7 +16,7 @@ from loopelastica.nanostructures.laying.chains import Chains, Index
 from loopelastica.nanostructures.laying.cores import Cores
 from loopelastica.nanostructures.laying.ends import unit
 from loopelastica.nanostructures.laying.neighbours import Neighbours
-from loopelastica.nanostructures.oxdna.energies import nearest_image
+from loopelastica.nanostructures.oxdna.periodic import nearest_image
 
 # oxDNA's units of energy: bending rigidity, of a persistence length near 1 at 300 K; stiffness of
 # bonds, of bases across the strand and along their neighbours

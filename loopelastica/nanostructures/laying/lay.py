@@ -19,8 +19,8 @@ from loopelastica.nanostructures.laying.laid import Conflict, Laid, LaidStrand
 from loopelastica.nanostructures.laying.sampling import draw_sample
 from loopelastica.nanostructures.laying.strands import Strands
 from loopelastica.nanostructures.laying.volume import bending
-from loopelastica.nanostructures.oxdna.energies import nearest_image
 from loopelastica.nanostructures.oxdna.model import UNIT_NM
+from loopelastica.nanostructures.oxdna.periodic import nearest_image
 from loopelastica.nanostructures.singles import Single, SingleKind, single_strands
 from loopelastica.nanostructures.system import System
 

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from loopelastica._arrays import Array
 from loopelastica.nanostructures.laying.bases import MIDDLE, REACH
-from loopelastica.nanostructures.laying.cells import beside, wrapped
+from loopelastica.nanostructures.laying.cells import beside
 from loopelastica.nanostructures.laying.chains import Chains, Index
-from loopelastica.nanostructures.oxdna.energies import nearest_image
-
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
+from loopelastica.nanostructures.oxdna.periodic import nearest_image, tree_of
 
 # sites: backbone, base, and beside the centre; how far each is from the backbone site
 _SHARES: Final = (0.0, REACH, MIDDLE * REACH)
@@ -55,14 +52,13 @@ class Neighbours:
 
     def __init__(self, chains: Chains, rows: Index) -> None:
         self.chains, self.rows = chains, rows
-        self.box = chains.box if (chains.box > 0).all() else None
         still = chains.placed.copy()
         still[rows] = False
-        if self.box is None:
+        if not (chains.box > 0).any():
             still &= beside(chains.sites, chains.sites[rows], _AROUND)
         self.others = np.flatnonzero(still)
         self.still = _sites(chains, self.others)
-        self.tree = self._tree(self.still[_COARSE])
+        self.tree = tree_of(self.still[_COARSE], chains.box)
         self.listed = np.full((len(_SHARES), len(rows), 3), np.inf)
 
     def push(self, force: Array) -> None:
@@ -71,9 +67,7 @@ class Neighbours:
         if float(((now - self.listed) ** 2).sum(axis=2).max()) > (_SKIN / 2) ** 2:
             self._list(now)
         points = np.concatenate([now, self.fixed], axis=1).reshape(-1, 3)
-        apart = points[self.second] - points[self.first]
-        if self.box is not None:
-            apart = nearest_image(apart, self.box)
+        apart = nearest_image(points[self.second] - points[self.first], self.chains.box)
         square = np.einsum("ij,ij->i", apart, apart)
         near = np.flatnonzero(square < (self.reach + _AHEAD) ** 2)
         distance = np.sqrt(np.maximum(square[near], 1e-12))
@@ -115,7 +109,7 @@ class Neighbours:
         """Note which sites are near each other."""
         n, chains = len(self.rows), self.chains
         self.listed = now
-        tree = self._tree(now[_COARSE])
+        tree = tree_of(now[_COARSE], chains.box)
         moving = tree.query_pairs(_FAR, output_type="ndarray").astype(np.int64)
         found = tree.sparse_distance_matrix(self.tree, _FAR, output_type="ndarray")
         met, place = np.unique(found["j"], return_inverse=True)
@@ -129,9 +123,7 @@ class Neighbours:
         bonded = (chains.n3[names[i]] == names[j]) | (chains.n5[names[i]] == names[j])
         first, second, reach = [], [], []
         for a, b, distance, also_bonded in _REACHES:
-            apart = points[b, j] - points[a, i]
-            if self.box is not None:
-                apart = nearest_image(apart, self.box)
+            apart = nearest_image(points[b, j] - points[a, i], chains.box)
             near = np.einsum("ij,ij->i", apart, apart) < (distance + _SKIN) ** 2
             near &= also_bonded | ~bonded
             first.append(a * len(names) + i[near])
@@ -139,11 +131,6 @@ class Neighbours:
             reach.append(np.full(len(first[-1]), distance))
         self.first, self.second = np.concatenate(first), np.concatenate(second)
         self.reach = np.concatenate(reach)
-
-    def _tree(self, points: Array) -> cKDTree:
-        from scipy.spatial import cKDTree
-
-        return cKDTree(wrapped(points, self.box), boxsize=self.box)
 
 
 def _sites(chains: Chains, rows: Index) -> Array:

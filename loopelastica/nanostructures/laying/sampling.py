@@ -13,8 +13,8 @@ from loopelastica.nanostructures.laying.ends import across
 from loopelastica.nanostructures.laying.laid import Sample
 from loopelastica.nanostructures.laying.strands import Strands
 from loopelastica.nanostructures.laying.wormlike import free_chain, held_chains, stiffness
-from loopelastica.nanostructures.oxdna.energies import nearest_image
 from loopelastica.nanostructures.oxdna.model import BOND_LENGTH
+from loopelastica.nanostructures.oxdna.periodic import nearest_image
 from loopelastica.nanostructures.singles import Single, SingleKind
 
 # how often strands that stay in conflict are drawn

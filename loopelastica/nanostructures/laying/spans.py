@@ -15,8 +15,8 @@ import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica.nanostructures.laying.ends import HelixEnds
-from loopelastica.nanostructures.oxdna.energies import nearest_image
 from loopelastica.nanostructures.oxdna.model import BOND_LENGTH, UNIT_NM
+from loopelastica.nanostructures.oxdna.periodic import nearest_image
 from loopelastica.nanostructures.singles import Single
 from loopelastica.nanostructures.system import System
 

@@ -26,8 +26,9 @@ from loopelastica.nanostructures.laying.laid import Shape
 from loopelastica.nanostructures.laying.spans import refusal, rods, spans
 from loopelastica.nanostructures.laying.tails import Tail, lay_tails, ring, straight
 from loopelastica.nanostructures.laying.volume import clear, into_window
-from loopelastica.nanostructures.oxdna.energies import nearest_image, separation
+from loopelastica.nanostructures.oxdna.energies import separation
 from loopelastica.nanostructures.oxdna.model import BOND_LENGTH, backbone_sites, centre_of
+from loopelastica.nanostructures.oxdna.periodic import nearest_image
 from loopelastica.nanostructures.singles import Single, SingleKind
 from loopelastica.nanostructures.system import System
 

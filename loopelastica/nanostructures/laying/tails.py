@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
 from loopelastica.nanostructures.laying.bases import REACH
-from loopelastica.nanostructures.laying.cells import wrapped
 from loopelastica.nanostructures.laying.chains import Chains
 from loopelastica.nanostructures.laying.ends import across
 from loopelastica.nanostructures.oxdna.model import BOND_LENGTH
+from loopelastica.nanostructures.oxdna.periodic import tree_of, wrapped
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -99,20 +99,14 @@ class _Crowd:
 
     def __init__(self, chains: Chains) -> None:
         self.chains = chains
-        self.box = chains.box if (chains.box > 0).all() else None
         self.parts: list[tuple[NDArray[np.int64], list[cKDTree]]] = []
         self.known = np.flatnonzero(chains.placed)
         self.trees = self._trees(self.known)
 
     def _trees(self, rows: NDArray[np.int64]) -> list[cKDTree]:
         """Of backbones and of bases."""
-        from scipy.spatial import cKDTree
-
         sites, direction = self.chains.sites[rows], self.chains.direction[rows]
-        return [
-            cKDTree(wrapped(sites + share * direction, self.box), boxsize=self.box)
-            for share in _SHARES
-        ]
+        return [tree_of(sites + share * direction, self.chains.box) for share in _SHARES]
 
     def add(self, nucleotides: NDArray[np.int64]) -> None:
         """Note a tail. Parts of like size become one, so that there are never many."""
@@ -122,7 +116,7 @@ class _Crowd:
 
     def room(self, lines: Array, anchor: int) -> Array:
         """By how much sites of lines (k, n, 3) are too near to others (k,): 0 or less."""
-        points = wrapped(lines.reshape(-1, 3), self.box)
+        points = wrapped(lines.reshape(-1, 3), self.chains.box)
         room = np.zeros(len(points))
         for tree, least in zip(self.trees, _LEAST, strict=True):
             # the nucleotide that the tail is bonded to is left out where it is the nearest

@@ -18,7 +18,7 @@ from loopelastica.nanostructures.laying.cores import Cores
 from loopelastica.nanostructures.laying.ends import unit
 from loopelastica.nanostructures.laying.forces import Forces
 from loopelastica.nanostructures.laying.neighbours import Neighbours
-from loopelastica.nanostructures.oxdna.energies import nearest_image
+from loopelastica.nanostructures.oxdna.periodic import nearest_image
 
 Index = NDArray[np.int64]
 

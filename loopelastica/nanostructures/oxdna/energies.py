@@ -29,6 +29,7 @@ from loopelastica.nanostructures.oxdna.model import (
     base_sites,
     stack_sites,
 )
+from loopelastica.nanostructures.oxdna.periodic import nearest_image, tree_of
 from loopelastica.nanostructures.system import System
 
 Index = NDArray[np.int64]
@@ -109,11 +110,6 @@ def base_numbers(base: NDArray[np.str_]) -> Index:
 def separation(system: System, start: Array, end: Array) -> Array:
     """Vectors (m, 3) from points to points (m, 3), of the nearest periodic images."""
     return nearest_image(end - start, system.box)
-
-
-def nearest_image(vector: Array, box: Array) -> Array:
-    """Vectors (m, 3) between points in a periodic box (3,), of the nearest images."""
-    return vector - np.round(vector / np.where(box > 0, box, np.inf)) * box
 
 
 def bonds(system: System, temperature_K: float = ROOM_K) -> Bonds:
@@ -373,18 +369,9 @@ def close_sites(system: System, sites: Array, distance: float) -> tuple[Index, I
     first, second : (k,) array of int
         Rows of `sites`.
     """
-    from scipy.spatial import cKDTree
-
     n = len(system)
     placed = np.flatnonzero(np.tile(system.placed, len(sites) // max(n, 1)))
-    points = sites[placed]
-    for axis, side in enumerate(system.box):
-        if side > 0:
-            points[:, axis] %= side
-            # a tiny negative number comes out as the side itself
-            points[points[:, axis] >= side, axis] = 0.0
-    tree = cKDTree(points, boxsize=system.box if (system.box > 0).any() else None)
-    near = tree.query_pairs(distance, output_type="ndarray")
+    near = tree_of(sites[placed], system.box).query_pairs(distance, output_type="ndarray")
     i, j = placed[near[:, 0]], placed[near[:, 1]]
     p, q = i % n, j % n
     apart = (p != q) & (system.n3[p] != q) & (system.n5[p] != q)

@@ -25,8 +25,8 @@ from loopelastica.nanostructures.oxdna.configuration import (
     nucleotide_lines,
     parse_configuration,
 )
-from loopelastica.nanostructures.oxdna.energies import nearest_image
 from loopelastica.nanostructures.oxdna.pairing import are_bases_given, find_pairs
+from loopelastica.nanostructures.oxdna.periodic import nearest_image
 from loopelastica.nanostructures.oxdna.topology import (
     Form,
     parse_topology,

@@ -11,9 +11,9 @@ from loopelastica._arrays import Array
 from loopelastica.nanostructures.oxdna.energies import (
     base_numbers,
     hydrogen_bonds,
-    nearest_image,
 )
 from loopelastica.nanostructures.oxdna.model import HELIX_RISE
+from loopelastica.nanostructures.oxdna.periodic import nearest_image
 from loopelastica.nanostructures.system import System
 
 Index = NDArray[np.int64]
