@@ -40,6 +40,7 @@ ABOUT = {
     "_checks": "checks of arguments",
     "_html": "tables for notebooks",
     "_progress": "bars on a terminal",
+    "_vectors": "products, directions",
     "datafiles": "structures to try",
     "_version": "the version",
     "rod.paper": "the printed method",

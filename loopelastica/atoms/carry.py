@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from loopelastica._arrays import Array
+from loopelastica._vectors import unit
 from loopelastica.folding.lines import CandidateLine, ChainLine, Rod
 from loopelastica.molecule.ends import StemEnds
 from loopelastica.molecule.strand_ends import StrandEnds
@@ -158,7 +159,7 @@ class ChainCurve:
         steps = len(line) + 1
         phases = np.linspace(0.0, steps, _FRAMES * steps + 1)
         frames = [np.eye(3)]
-        for tangent in _unit(line.smooth(phases, 1))[1:]:
+        for tangent in unit(line.smooth(phases, 1))[1:]:
             frames.append(_turned_to(tangent, frames[-1]))
         spin = _spin(frames[-1].T @ line.poses.rotation, steps * helix_twist(strand))
         return cls(line, strand, phases, np.array(frames), spin)
@@ -169,7 +170,7 @@ class ChainCurve:
         last = self.phases[-1]
         inside = np.clip(phase, 0.0, last)
         kept = self.frames[np.searchsorted(self.phases, inside, side="right") - 1]
-        points, tangents = self.line.smooth(inside), _unit(self.line.smooth(inside, 1))
+        points, tangents = self.line.smooth(inside), unit(self.line.smooth(inside, 1))
         frames = np.array([_turned_to(*pair) for pair in zip(tangents, kept, strict=True)])
         frames = frames @ _about_d3(self.spin * inside / last)
         for row in np.flatnonzero(phase < 0.0):
@@ -229,11 +230,6 @@ def _beyond(
     point_0, frame_0 = line_frame(strand, start, taper)
     point, other = line_frame(strand, start + phase, taper)
     return origin + frame @ frame_0.T @ (point - point_0), frame @ frame_0.T @ other
-
-
-def _unit(vectors: Array) -> Array:
-    size = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.asarray(vectors / np.maximum(size, 1e-9))
 
 
 def _turned_to(tangent: Array, frame: Array) -> Array:

@@ -24,6 +24,7 @@ from scipy.spatial import cKDTree
 
 from loopelastica._arrays import Array
 from loopelastica._files import data_path
+from loopelastica._vectors import unit
 from loopelastica.atoms.easing import eased
 from loopelastica.atoms.turning import turned
 from loopelastica.molecule.components import METHYLATED, is_standard
@@ -340,13 +341,13 @@ def _direction(kind: str, at: Array) -> tuple[Array, NDArray[np.bool_]]:
     `at` (n, m, 3) are carriers and their neighbours.
     """
     if kind in ("cis", "trans"):
-        axis = _unit(at[:, 1] - at[:, 0])
+        axis = unit(at[:, 1] - at[:, 0])
         across = at[:, 2] - at[:, 1]
         across -= (across * axis).sum(axis=1, keepdims=True) * axis
         sign = 1.0 if kind == "cis" else -1.0
-        out = np.cos(_FLAT) * axis + sign * np.sin(_FLAT) * _unit(across)
+        out = np.cos(_FLAT) * axis + sign * np.sin(_FLAT) * unit(across)
         return out, np.linalg.norm(across, axis=1) > _SHORTEST
-    to = _unit(at[:, 1:] - at[:, :1])
+    to = unit(at[:, 1:] - at[:, :1])
     away = -to.sum(axis=1)
     defined = np.linalg.norm(away, axis=1) > _SHORTEST
     if to.shape[1] == 3:
@@ -354,14 +355,9 @@ def _direction(kind: str, at: Array) -> tuple[Array, NDArray[np.bool_]]:
         # in the median, along the sum of the three 0.1 Å
         normal = np.cross(to[:, 1] - to[:, 0], to[:, 2] - to[:, 0])
         away = normal * np.sign((normal * away).sum(axis=1))[:, None]
-    away = _unit(away)
+    away = unit(away)
     if kind == "opposite":
         return away, defined
     normal = np.cross(to[:, 0], to[:, 1])
     defined &= np.linalg.norm(normal, axis=1) > _SHORTEST
-    return np.cos(_HALF_CH2) * away + np.sin(_HALF_CH2) * _unit(normal), defined
-
-
-def _unit(vectors: Array) -> Array:
-    norm = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(vectors / np.maximum(norm, 1e-9))
+    return np.cos(_HALF_CH2) * away + np.sin(_HALF_CH2) * unit(normal), defined

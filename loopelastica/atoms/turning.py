@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from loopelastica._arrays import Array
+from loopelastica._vectors import unit
 
 ANGLE_DEG: Final = {1: 108.5, 2: 109.5, 3: 109.5}
 """Angle at the carrier by the number of hydrogens: C–O–H and X–C–H of Amber's parm94."""
@@ -85,11 +86,11 @@ def turned(
 
 def _places(at: Array, count: NDArray[np.int64], lengths_A: Array) -> Array:
     """Where hydrogens are (n, angles, 3, 3) at every angle, Å; the angle 0 is anti."""
-    axis = _unit(at[:, 1] - at[:, 0])
+    axis = unit(at[:, 1] - at[:, 0])
     across = at[:, 2] - at[:, 1]
     # three atoms in a line say nothing: any direction across serves
     across += 1e-6 * np.roll(axis, 1, axis=1)
-    first = -_unit(across - (across * axis).sum(axis=1, keepdims=True) * axis)
+    first = -unit(across - (across * axis).sum(axis=1, keepdims=True) * axis)
     second = np.cross(axis, first)
     turns = np.deg2rad(_TURNS_DEG[:, None] + np.array([0.0, 120.0, 240.0]))
     angle = np.deg2rad([ANGLE_DEG[n] for n in count.tolist()])[:, None]
@@ -122,7 +123,7 @@ def _scores(
         to = points[:, None] - here
         distance = np.linalg.norm(to, axis=2)
         terms = _PER_A2 * np.maximum(0.0, room[:, None] - distance) ** 2
-        out = _unit(here - at[group, None, 0])
+        out = unit(here - at[group, None, 0])
         straight = np.maximum(0.0, (out * to).sum(axis=2) / np.maximum(distance, 1e-9)) ** 2
         away = (distance - _BOND_A) / _BOND_SD_A
         terms -= np.where(donor[:, None], _BOND * straight * np.exp(-(away**2)), 0.0)
@@ -146,8 +147,3 @@ def _settled(carriers: Array, places: Array, count: NDArray[np.int64], score: Ar
         # rounded, for a rigid motion must not change which one is best
         out.append(places[k, int(np.argmin(own.round(6))), :n])
     return out
-
-
-def _unit(vectors: Array) -> Array:
-    norm = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(vectors / np.maximum(norm, 1e-9))

@@ -11,7 +11,8 @@ from typing import Final
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.nanostructures.laying.ends import across, unit
+from loopelastica._vectors import unit
+from loopelastica.nanostructures.laying.ends import across
 from loopelastica.nanostructures.oxdna.model import BACKBONE_A1, BACKBONE_A2, BASE_A1, centre_of
 from loopelastica.nanostructures.oxdna.periodic import nearest_image
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
+from loopelastica._vectors import perpendicular, unit
 from loopelastica.nanostructures.oxdna.energies import separation
 from loopelastica.nanostructures.oxdna.model import HELIX_RISE, HELIX_TWIST, backbone_sites
 from loopelastica.nanostructures.system import System
@@ -55,30 +56,20 @@ def helix_ends(system: System, index: NDArray[np.int64]) -> HelixEnds:
     axis = unit(axis)
     middle = 0.5 * separation(system, system.centre[index], system.centre[partner])
     outward = point - system.centre[index] - middle
-    outward = outward - _dot(outward, axis)[:, None] * axis
+    outward = perpendicular(outward, axis)
     tangent = unit(HELIX_RISE * axis + HELIX_TWIST * np.cross(axis, outward))
     # outward is perpendicular to the axis and to the turn, so to the tangent as well
     inward = across(-outward, tangent)
     return HelixEnds(point, np.stack([inward, np.cross(tangent, inward), tangent], axis=-1))
 
 
-def unit(vector: Array) -> Array:
-    """Vectors (..., 3) of length 1; those of length 0 stay."""
-    length = np.linalg.norm(vector, axis=-1, keepdims=True)
-    return np.asarray(vector / np.where(length > 0, length, 1.0))
-
-
 def across(vector: Array, normal: Array) -> Array:
     """Unit vectors (m, 3) perpendicular to unit vectors (m, 3), as near to a vector as can be."""
-    found = vector - _dot(vector, normal)[:, None] * normal
+    found = perpendicular(vector, normal)
     short = np.linalg.norm(found, axis=1) < 1e-6 * np.maximum(np.linalg.norm(vector, axis=1), 1e-9)
     if short.any():
         other = np.eye(3)[np.argmin(np.abs(normal[short]), axis=1)]
-        found[short] = other - _dot(other, normal[short])[:, None] * normal[short]
+        found[short] = perpendicular(other, normal[short])
     found = unit(found)
     # once more, or what cancelled would show
-    return unit(found - _dot(found, normal)[:, None] * normal)
-
-
-def _dot(a: Array, b: Array) -> Array:
-    return np.asarray(np.einsum("ij,ij->i", a, b))
+    return unit(perpendicular(found, normal))

@@ -12,9 +12,9 @@ from typing import Final
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica._vectors import dot, perpendicular, unit
 from loopelastica.nanostructures.laying.chains import Chains, Index
 from loopelastica.nanostructures.laying.cores import Cores
-from loopelastica.nanostructures.laying.ends import unit
 from loopelastica.nanostructures.laying.neighbours import Neighbours
 from loopelastica.nanostructures.oxdna.periodic import nearest_image
 
@@ -86,8 +86,7 @@ class Forces:
         self._bases(force, vector, move)
         if not move:
             force[0] = 0.0
-        along = np.einsum("ij,ij->i", force[1], towards)
-        force[1] -= along[:, None] * towards
+        force[1] = perpendicular(force[1], towards)
         return force
 
     def downhill(self, force: Array, damping: Array, move: bool) -> Array:
@@ -181,7 +180,7 @@ class Forces:
         tangent = self.chains.tangent
         turn[self.clamp_start] += 2 * tangent[self.first[self.clamp_start]]
         turn[self.clamp_end] += 2 * tangent[self.second[self.clamp_end]]
-        sideways = turn - np.einsum("ij,ij->i", turn, direction)[:, None] * direction
+        sideways = perpendicular(turn, direction)
         # the energy falls as the bond turns towards its neighbours
         return np.asarray(-_RIGIDITY * sideways / (self.length * length)[:, None])
 
@@ -198,7 +197,7 @@ class Forces:
         self.add(span, local[self.first], vector)
         self.add(span, local[self.second], vector)
         scale = 1 / (2 * chains.bond[rows])
-        tilt = _ACROSS * np.einsum("ij,ij->i", towards[rows], span) * scale**2
+        tilt = _ACROSS * dot(towards[rows], span) * scale**2
         force[1] -= tilt[:, None] * span
         if move:
             pull = tilt[:, None] * towards[rows]

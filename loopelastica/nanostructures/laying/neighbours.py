@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica._vectors import dot
 from loopelastica.nanostructures.laying.bases import MIDDLE, REACH
 from loopelastica.nanostructures.laying.cells import beside
 from loopelastica.nanostructures.laying.chains import Chains, Index
@@ -68,7 +69,7 @@ class Neighbours:
             self._list(now)
         points = np.concatenate([now, self.fixed], axis=1).reshape(-1, 3)
         apart = nearest_image(points[self.second] - points[self.first], self.chains.box)
-        square = np.einsum("ij,ij->i", apart, apart)
+        square = dot(apart, apart)
         near = np.flatnonzero(square < (self.reach + _AHEAD) ** 2)
         distance = np.sqrt(np.maximum(square[near], 1e-12))
         line = apart[near] / distance[:, None]
@@ -124,7 +125,7 @@ class Neighbours:
         first, second, reach = [], [], []
         for a, b, distance, also_bonded in _REACHES:
             apart = nearest_image(points[b, j] - points[a, i], chains.box)
-            near = np.einsum("ij,ij->i", apart, apart) < (distance + _SKIN) ** 2
+            near = dot(apart, apart) < (distance + _SKIN) ** 2
             near &= also_bonded | ~bonded
             first.append(a * len(names) + i[near])
             second.append(b * len(names) + j[near])

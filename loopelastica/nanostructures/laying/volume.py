@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
+from loopelastica._vectors import dot, unit
 from loopelastica.nanostructures.laying.chains import Chains
 from loopelastica.nanostructures.laying.cores import Cores
-from loopelastica.nanostructures.laying.ends import unit
 from loopelastica.nanostructures.laying.forces import Forces
 from loopelastica.nanostructures.laying.neighbours import Neighbours
 from loopelastica.nanostructures.oxdna.periodic import nearest_image
@@ -179,9 +179,9 @@ def bending(chains: Chains) -> Array:
         steps.append(unit(step))
         tangent = np.where(known[:, None], chains.tangent[near], 0.0)
         clamped = np.linalg.norm(tangent, axis=1) > 0
-        turn = 1 - np.einsum("ij,ij->i", steps[-1], tangent)
+        turn = 1 - dot(steps[-1], tangent)
         found[rows] += np.where(clamped, 2 * turn / chains.bond[rows], 0.0)
     both = (np.abs(steps[0]).max(axis=1) > 0) & (np.abs(steps[1]).max(axis=1) > 0)
-    turn = 1 - np.einsum("ij,ij->i", *steps)
+    turn = 1 - dot(*steps)
     found[rows] += np.where(both, turn / chains.bond[rows], 0.0)
     return found

@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 
 from loopelastica._arrays import Array
+from loopelastica._vectors import dot
 
 # crankshafts per bond, and at least; half of them turn by less than this
 _PER_BOND: Final = 40
@@ -165,7 +166,7 @@ def _crankshaft(points: Array, bonds: Array, clamps: Array, kappa: Array, chance
     inside = np.minimum(j + 1, last)
     after = np.where((j < last)[:, None], points[row, inside] - end, clamps[:, 1])
     gain = kappa * sum(
-        np.einsum("ij,ij->i", to - of, beside)
+        dot(to - of, beside)
         / np.maximum(np.linalg.norm(of, axis=1) * np.linalg.norm(beside, axis=1), 1e-12)
         for to, of, beside in zip(new, old, (before, after), strict=True)
     )
@@ -180,7 +181,7 @@ def _crankshaft(points: Array, bonds: Array, clamps: Array, kappa: Array, chance
 def _turned(vector: Array, axis: Array, angle: Array) -> Array:
     """Vectors (m, 3) turned about unit axes (m, 3) (Rodrigues)."""
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    along = np.einsum("ij,ij->i", vector, axis)[:, None] * axis
+    along = dot(vector, axis)[:, None] * axis
     # the cross product: np.cross takes longer than all else where vectors are few
     across = axis[:, _NEXT] * vector[:, _BEFORE] - axis[:, _BEFORE] * vector[:, _NEXT]
     return np.asarray(c * (vector - along) + s * across + along)

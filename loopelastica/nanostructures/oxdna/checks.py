@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
+from loopelastica._vectors import dot
 from loopelastica.nanostructures.oxdna.energies import bonds, close_sites, separation
 from loopelastica.nanostructures.oxdna.model import BOND_LONGEST, BOND_SHORTEST
 from loopelastica.nanostructures.system import System
@@ -123,9 +124,9 @@ def check_start(system: System) -> StartCheck:
     apart = np.linalg.norm(separation(system, system.centre[i], system.centre[j]), axis=-1)
     products = np.stack(
         [
-            np.einsum("ij,ij->i", system.a1, system.a1) - 1,
-            np.einsum("ij,ij->i", system.a3, system.a3) - 1,
-            np.einsum("ij,ij->i", system.a1, system.a3),
+            dot(system.a1, system.a1) - 1,
+            dot(system.a3, system.a3) - 1,
+            dot(system.a1, system.a3),
         ]
     )
     # written so that what is no number counts as skewed

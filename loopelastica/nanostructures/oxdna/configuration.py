@@ -16,6 +16,7 @@ import numpy as np
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import shown
+from loopelastica._vectors import dot, perpendicular
 from loopelastica.errors import StructureError
 
 _HEADER: Final = 3
@@ -178,7 +179,7 @@ def _is_number(word: str) -> bool:
 
 def _axes(name: str, a1: Array, a3: Array) -> tuple[Array, Array]:
     norms = np.linalg.norm(a1, axis=1), np.linalg.norm(a3, axis=1)
-    lean = np.einsum("ij,ij->i", a1, a3)
+    lean = dot(a1, a3)
     off = np.max([np.abs(norms[0] - 1), np.abs(norms[1] - 1), np.abs(lean)], axis=0)
     if (off > _TOLERANCE).any():
         k = int(np.argmax(off))
@@ -188,7 +189,7 @@ def _axes(name: str, a1: Array, a3: Array) -> tuple[Array, Array]:
             " unit vectors"
         )
     a3 = a3 / norms[1][:, None]
-    a1 = a1 - np.einsum("ij,ij->i", a1, a3)[:, None] * a3
+    a1 = perpendicular(a1, a3)
     return a1 / np.linalg.norm(a1, axis=1)[:, None], a3
 
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from loopelastica._arrays import Array, Record
 from loopelastica._checks import positive
+from loopelastica._vectors import dot
 from loopelastica.nanostructures.oxdna import potentials as f
 from loopelastica.nanostructures.oxdna.model import (
     BOND_DELTA,
@@ -152,11 +153,11 @@ def bonds(system: System, temperature_K: float = ROOM_K) -> Bonds:
     stacking = (
         depth
         * f.STACKING(distance)
-        * f.STACKING_4(_dot(near.a3, near.b3))
-        * f.STACKING_5_6(-_dot(near.a3, direction))
-        * f.STACKING_5_6(-_dot(near.b3, direction))
-        * f.STACKING_SIDE(_dot(a2, reference))
-        * f.STACKING_SIDE(_dot(b2, reference))
+        * f.STACKING_4(dot(near.a3, near.b3))
+        * f.STACKING_5_6(-dot(near.a3, direction))
+        * f.STACKING_5_6(-dot(near.b3, direction))
+        * f.STACKING_SIDE(dot(a2, reference))
+        * f.STACKING_SIDE(dot(b2, reference))
     )
     return Bonds(i, j, length, fene, volume, stacking)
 
@@ -306,12 +307,12 @@ def _hydrogen(near: _Near) -> Array:
     return (
         f.HYDROGEN_DEPTH
         * f.HYDROGEN(distance)
-        * f.HYDROGEN_1_2_3(-_dot(near.a1, near.b1))
-        * f.HYDROGEN_1_2_3(-_dot(near.b1, direction))
-        * f.HYDROGEN_1_2_3(_dot(near.a1, direction))
-        * f.HYDROGEN_4(_dot(near.a3, near.b3))
-        * f.HYDROGEN_7_8(-_dot(near.b3, direction))
-        * f.HYDROGEN_7_8(_dot(near.a3, direction))
+        * f.HYDROGEN_1_2_3(-dot(near.a1, near.b1))
+        * f.HYDROGEN_1_2_3(-dot(near.b1, direction))
+        * f.HYDROGEN_1_2_3(dot(near.a1, direction))
+        * f.HYDROGEN_4(dot(near.a3, near.b3))
+        * f.HYDROGEN_7_8(-dot(near.b3, direction))
+        * f.HYDROGEN_7_8(dot(near.a3, direction))
     )
 
 
@@ -319,27 +320,27 @@ def _cross(near: _Near) -> Array:
     distance, direction = _polar(near.base)
     return (
         f.CROSS(distance)
-        * f.CROSS_1(-_dot(near.a1, near.b1))
-        * f.CROSS_2_3(-_dot(near.b1, direction))
-        * f.CROSS_2_3(_dot(near.a1, direction))
-        * f.CROSS_4.both(_dot(near.a3, near.b3))
-        * f.CROSS_7_8.both(-_dot(near.b3, direction))
-        * f.CROSS_7_8.both(_dot(near.a3, direction))
+        * f.CROSS_1(-dot(near.a1, near.b1))
+        * f.CROSS_2_3(-dot(near.b1, direction))
+        * f.CROSS_2_3(dot(near.a1, direction))
+        * f.CROSS_4.both(dot(near.a3, near.b3))
+        * f.CROSS_7_8.both(-dot(near.b3, direction))
+        * f.CROSS_7_8.both(dot(near.a3, direction))
     )
 
 
 def _coaxial(near: _Near) -> Array:
     stack = near.vectors(stack_sites(near.system.centre, near.system.a1))
     distance, direction = _polar(stack)
-    theta1 = np.arccos(np.clip(-_dot(near.a1, near.b1), -1.0, 1.0))
+    theta1 = np.arccos(np.clip(-dot(near.a1, near.b1), -1.0, 1.0))
     strength, from_angle = f.COAXIAL_TURNED
     turned = strength * np.maximum(theta1 - from_angle, 0.0) ** 2
     return (
         f.COAXIAL(distance)
         * (f.COAXIAL_1.at(theta1) + turned)
-        * f.COAXIAL_4(_dot(near.a3, near.b3))
-        * f.COAXIAL_5_6.both(_dot(near.a3, direction))
-        * f.COAXIAL_5_6.both(_dot(near.b3, direction))
+        * f.COAXIAL_4(dot(near.a3, near.b3))
+        * f.COAXIAL_5_6.both(dot(near.a3, direction))
+        * f.COAXIAL_5_6.both(dot(near.b3, direction))
     )
 
 
@@ -382,7 +383,3 @@ def _polar(vector: Array) -> tuple[Array, Array]:
     """Length (m,) and direction (m, 3)."""
     length = np.linalg.norm(vector, axis=-1)
     return length, vector / np.maximum(length, 1e-12)[:, None]
-
-
-def _dot(a: Array, b: Array) -> Array:
-    return np.asarray(np.einsum("ij,ij->i", a, b))

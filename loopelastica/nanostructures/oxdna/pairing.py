@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
+from loopelastica._vectors import dot
 from loopelastica.nanostructures.oxdna.energies import (
     base_numbers,
     hydrogen_bonds,
@@ -134,7 +135,7 @@ def _following(system: System) -> Index:
 def _join(system: System, following: Index, i: Index, j: Index) -> None:
     """Note j as following i where the pair of j is stacked on that of i and is another one."""
     step = nearest_image(_middle(system, j) - _middle(system, i), system.box)
-    normals = np.einsum("ij,ij->i", system.a3[i], system.a3[j])
+    normals = dot(system.a3[i], system.a3[j])
     stacked = (np.linalg.norm(step, axis=1) < _STEP) & (normals > _COSINE) & (system.pair[i] != j)
     following[i[stacked]] = j[stacked]
 

@@ -10,6 +10,7 @@ its unit, 4.142e-20 J, lengths in 0.8518 nm, angles in radians.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Final
 
@@ -36,7 +37,7 @@ class _End:
 
 
 @dataclass(frozen=True, slots=True)
-class _Well:
+class _Well(ABC):
     """A well of `width` at `r0`, shifted to be zero at `cut`, smoothed but from `low` to `high`."""
 
     width: float
@@ -45,11 +46,13 @@ class _Well:
     low: float
     high: float
 
+    @abstractmethod
     def _value(self, r: Array) -> Array:
-        raise NotImplementedError
+        """The curve where it is not smoothed."""
 
+    @abstractmethod
     def _slope(self, r: Array) -> Array:
-        raise NotImplementedError
+        """Its derivative."""
 
     def _end(self, at: float) -> _End:
         x = np.array([at])

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from loopelastica._arrays import Array
+from loopelastica._vectors import dot, perpendicular
 from loopelastica.nanostructures.oxdna.model import (
     BOND_DELTA,
     BOND_LENGTH,
@@ -117,8 +118,8 @@ def _rolled(helices: Helices, crossings: Crossings, extent: Array) -> Helices:
         axis, at = helices.direction[row], helices.axis_points(row, steps)
         out = crossings.sites(helices, side) - at
         towards = helices.axis_points(crossings.row[1 - side], crossings.steps[1 - side]) - at
-        cosine = _dot(_across(out, axis), _across(towards, axis))
-        angle = np.arctan2(_dot(np.cross(out, towards), axis), cosine)
+        cosine = dot(perpendicular(out, axis), perpendicular(towards, axis))
+        angle = np.arctan2(dot(np.cross(out, towards), axis), cosine)
         turned = angle[:, None] - (steps - middle[row])[:, None] * twists
         np.add.at(sums, row, np.exp(1j * turned))
     # of equal ones the least twist
@@ -149,9 +150,9 @@ class _Fit:
         reach = _SIDE + 2 * float(half.max())
         i, j = cKDTree(centre).query_pairs(reach, output_type="ndarray").T
         step = centre[j] - centre[i]
-        near = np.linalg.norm(_across(step, axis[i]), axis=1) < _SIDE
-        overlap = np.abs(_dot(step, axis[i])) < half[i] + half[j]
-        parallel = np.abs(_dot(axis[i], axis[j])) > _PARALLEL
+        near = np.linalg.norm(perpendicular(step, axis[i]), axis=1) < _SIDE
+        overlap = np.abs(dot(step, axis[i])) < half[i] + half[j]
+        parallel = np.abs(dot(axis[i], axis[j])) > _PARALLEL
         return np.stack([i, j])[:, near & overlap & parallel]
 
     def solved(self) -> Helices:
@@ -184,7 +185,7 @@ class _Fit:
     def _gaps(self, helices: Helices) -> tuple[Array, Array]:
         """Distances of axes side by side, and directions from the first to the second."""
         i, j = self.beside
-        step = _across(helices.origin[j] - helices.origin[i], helices.direction[i])
+        step = perpendicular(helices.origin[j] - helices.origin[i], helices.direction[i])
         distance = np.linalg.norm(step, axis=1)
         return distance, step / np.maximum(distance, 1e-9)[:, None]
 
@@ -208,7 +209,7 @@ class _Fit:
         for side, sign in ((0, -1.0), (1, 1.0)):
             row, steps = crossings.row[side], crossings.steps[side]
             out = crossings.sites(helices, side) - helices.axis_points(row, steps)
-            roll = _dot(way, np.cross(helices.direction[row], out))
+            roll = dot(way, np.cross(helices.direction[row], out))
             slopes = np.column_stack([way, roll, roll * (steps - self.middle[row])])
             parts.append((np.arange(n), row, sign * weight[:, None] * slopes))
         distance, aside = self._gaps(helices)
@@ -223,13 +224,3 @@ class _Fit:
         at = np.concatenate([*rows, n + m + own]), np.concatenate([*columns, own])
         value = np.concatenate([*values, np.full(x.size, _KEPT)])
         return coo_matrix((value, at), (n + m + x.size, x.size)).tocsr()
-
-
-def _dot(a: Array, b: Array) -> Array:
-    product: Array = np.einsum("ij,ij->i", a, b)
-    return product
-
-
-def _across(vector: Array, axis: Array) -> Array:
-    """What is perpendicular to axes."""
-    return vector - _dot(vector, axis)[:, None] * axis

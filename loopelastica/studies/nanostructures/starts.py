@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from loopelastica._arrays import Array
-from loopelastica.nanostructures.laying.ends import across, helix_ends, unit
+from loopelastica._vectors import unit
+from loopelastica.nanostructures.laying.ends import across, helix_ends
 from loopelastica.nanostructures.laying.laid import LaidStrand
 from loopelastica.nanostructures.oxdna.model import BOND_LENGTH, centre_of
 from loopelastica.nanostructures.system import System
