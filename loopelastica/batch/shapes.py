@@ -12,14 +12,14 @@ from typing import Any
 from loopelastica._checks import flag, instance, shown
 from loopelastica.batch.journal import Record
 from loopelastica.batch.run import Work, run
-from loopelastica.batch.tasks import Task, distinct, tasks_of
+from loopelastica.batch.tasks import Task, tasks_of
 from loopelastica.batch.workers import check_workers
 from loopelastica.errors import LoopelasticaError
 from loopelastica.folding.gathering import found_loop, loop_rows
 from loopelastica.folding.library import MAX_NUCLEOTIDES, MIN_NUCLEOTIDES, Library
 from loopelastica.folding.library_file import check_place, save_library
 from loopelastica.folding.shape_table import COPY_A, FoundLoop
-from loopelastica.molecule.folders import structure_files
+from loopelastica.molecule.folders import distinct, structure_files
 from loopelastica.molecule.identity import entry_of
 from loopelastica.molecule.nucleotides import Limits, read_structure
 

@@ -88,34 +88,6 @@ def _listing(folder: str) -> bytes:
     return repr([(path, at.st_mtime_ns, at.st_size) for path, at in stats]).encode()
 
 
-def distinct(sources: Iterable[str | Path]) -> tuple[list[str], list[str]]:
-    """Each file once, however often and by whatever path it is given.
-
-    Parameters
-    ----------
-    sources : iterable of str or Path
-        Relative or absolute, symbolic links too.
-
-    Returns
-    -------
-    first : list of str
-        The path by which each file was given first, in their order.
-    notes : list of str
-        One sentence for each that was left out.
-    """
-    first: dict[str, str] = {}
-    notes = []
-    for source in map(str, sources):
-        place = os.path.realpath(source)
-        if place in first:
-            known = first[place]
-            same = "was given before" if known == source else f"is the same file as {known}"
-            notes.append(f"{source} {same}; it counts once")
-        else:
-            first[place] = source
-    return list(first.values()), notes
-
-
 def tasks_of(
     sources: Iterable[str | Path],
     options: dict[str, Any],

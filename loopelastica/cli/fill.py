@@ -88,11 +88,11 @@ def fill(
     """
     from loopelastica.batch.fills import FILLS
     from loopelastica.batch.run import run
-    from loopelastica.batch.tasks import distinct, tasks_of
+    from loopelastica.batch.tasks import tasks_of
     from loopelastica.filling.options import FillOptions
     from loopelastica.folding.known import library_at
     from loopelastica.folding.like import check_strands, file_of
-    from loopelastica.molecule.folders import with_folders
+    from loopelastica.molecule.folders import distinct, with_folders
     from loopelastica.report.page.write import has_report
 
     screen = Screen("fill", "files", quiet, as_json)

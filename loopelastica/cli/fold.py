@@ -161,8 +161,9 @@ def _fold_many(
 ) -> None:
     from loopelastica.batch.folds import FOLDS
     from loopelastica.batch.run import run
-    from loopelastica.batch.tasks import distinct, tasks_of
+    from loopelastica.batch.tasks import tasks_of
     from loopelastica.folding.like import file_of
+    from loopelastica.molecule.folders import distinct
 
     files, notes = distinct(files)
     with o.usage():
@@ -209,8 +210,8 @@ def _fold_each(
     from loopelastica.batch.folds import fold_into
     from loopelastica.batch.lock import alone_in
     from loopelastica.batch.run import check_tables
-    from loopelastica.batch.tasks import distinct
     from loopelastica.batch.workers import attempt
+    from loopelastica.molecule.folders import distinct
     from loopelastica.report.folder import Folders
 
     files, notes = distinct(files)

@@ -205,9 +205,9 @@ def _each(
 ) -> tuple[list[Any], _Failures]:
     """What becomes of each file, and of those that cannot be used a sentence."""
     from loopelastica._progress import progress_bar
-    from loopelastica.batch.tasks import distinct
     from loopelastica.batch.workers import attempt
     from loopelastica.errors import LoopelasticaError
+    from loopelastica.molecule.folders import distinct
 
     if len(files) == 1:
         (file,) = files

@@ -1,4 +1,4 @@
-"""The structures of a folder."""
+"""The structures of a folder, and files each once."""
 
 import os
 from collections.abc import Iterable, Iterator
@@ -78,3 +78,31 @@ def _deep(top: Path) -> Iterator[Path]:
 def _is_structure(path: Path) -> bool:
     suffixes = [s.lower() for s in path.suffixes if s.lower() not in (".gz", ".bz2")]
     return path.is_file() and bool(suffixes) and suffixes[-1] in _SUFFIXES
+
+
+def distinct(sources: Iterable[str | Path]) -> tuple[list[str], list[str]]:
+    """Each file once, however often and by whatever path it is given.
+
+    Parameters
+    ----------
+    sources : iterable of str or Path
+        Relative or absolute, symbolic links too.
+
+    Returns
+    -------
+    first : list of str
+        The path by which each file was given first, in their order.
+    notes : list of str
+        One sentence for each that was left out.
+    """
+    first: dict[str, str] = {}
+    notes = []
+    for source in map(str, sources):
+        place = os.path.realpath(source)
+        if place in first:
+            known = first[place]
+            same = "was given before" if known == source else f"is the same file as {known}"
+            notes.append(f"{source} {same}; it counts once")
+        else:
+            first[place] = source
+    return list(first.values()), notes

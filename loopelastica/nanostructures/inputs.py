@@ -13,6 +13,7 @@ from loopelastica._checks import file_name, shown
 from loopelastica._files import read_manifest
 from loopelastica.errors import StructureError
 from loopelastica.molecule._source import kind_of, name_of
+from loopelastica.molecule.folders import distinct
 from loopelastica.nanostructures.design import Design
 from loopelastica.nanostructures.options import NanostructureOptions
 from loopelastica.nanostructures.oxdna.files import (
@@ -147,7 +148,7 @@ def designs_of(sources: Iterable[str]) -> tuple[list[tuple[str, str | None]], li
     notes : list of str
         One sentence for each that was left out.
     """
-    files, notes = _distinct(file for source in sources for file in _files_of(source))
+    files, notes = distinct(file for source in sources for file in _files_of(source))
     other = _partners(files)
     paired = set(other.values())
     return [(file, other.get(file)) for file in files if file not in paired], notes
@@ -177,18 +178,6 @@ def _files_of(source: str) -> Sequence[str]:
     ]
     # an empty one stays: reading it says what it is
     return found or [source]
-
-
-def _distinct(files: Iterable[str]) -> tuple[list[str], list[str]]:
-    known: dict[str, str] = {}
-    notes = []
-    for file in files:
-        place = os.path.realpath(file)
-        if place in known:
-            same = "was given before" if known[place] == file else f"is the same as {known[place]}"
-            notes.append(f"{file} {same}; it counts once")
-        known.setdefault(place, file)
-    return list(known.values()), notes
 
 
 def _partners(files: Sequence[str]) -> dict[str, str]:

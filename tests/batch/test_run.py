@@ -16,9 +16,10 @@ from typer.testing import CliRunner
 from loopelastica._files import data_path
 from loopelastica.batch.folds import FOLDS
 from loopelastica.batch.run import _Book, run
-from loopelastica.batch.tasks import distinct, tasks_of
+from loopelastica.batch.tasks import tasks_of
 from loopelastica.cli.app import app
 from loopelastica.folding.options import FoldOptions
+from loopelastica.molecule.folders import distinct
 
 ROOT = Path(__file__).resolve().parents[2]
 OPTIONS = {**FoldOptions(all_models=False).to_dict(), "plot": False}

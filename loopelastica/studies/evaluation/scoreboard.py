@@ -10,9 +10,9 @@ import numpy as np
 from loopelastica._files import data_path, write_csv, write_text
 from loopelastica._names import printable
 from loopelastica.batch.run import Run, run
-from loopelastica.batch.tasks import distinct, tasks_of
+from loopelastica.batch.tasks import tasks_of
 from loopelastica.folding.options import FoldOptions
-from loopelastica.molecule.folders import structure_files
+from loopelastica.molecule.folders import distinct, structure_files
 from loopelastica.molecule.nucleotides import Limits
 from loopelastica.molecule.trace import rmsd_A
 from loopelastica.studies.evaluation.expected import NEARER, expected_errors, wins
